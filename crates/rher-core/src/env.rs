@@ -1,0 +1,107 @@
+//! What the method needs to know about an environment.
+
+use crate::goal::{Achieved, Desired, Position, Tolerances};
+
+/// What holds for the life of an environment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EnvSpec<const N: usize> {
+    /// Name under which runs and policies remember it.
+    pub name: String,
+    /// Numbers in an observation.
+    pub observation: usize,
+    /// Numbers in an action; each is in [−1, 1].
+    pub action: usize,
+    /// Steps of every episode, the paper's T; episodes never end early.
+    pub episode_steps: usize,
+    /// How many sub-tasks to learn, from the first: 2 N, or fewer where the task ends sooner.
+    pub subtasks: usize,
+    /// How near counts as there.
+    pub tolerances: Tolerances<N>,
+    /// The scene's plane of symmetry; `None` where it has none.
+    pub mirror: Option<Mirror>,
+}
+
+/// A plane of symmetry, perpendicular to one world axis: every episode has a mirror image that
+/// obeys the same physics.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mirror {
+    /// The world axis that is flipped: 0, 1 or 2.
+    pub axis: usize,
+    /// Where the plane crosses that axis, in metres.
+    pub centre: f32,
+    /// One entry for each number of an observation.
+    pub observation: Vec<Reflection>,
+    /// One entry for each number of an action.
+    pub action: Vec<Reflection>,
+}
+
+/// One number of a mirrored vector: `sign * original[from] + offset`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reflection {
+    /// Index in the original vector.
+    pub from: usize,
+    /// 1 or −1.
+    pub sign: f32,
+    /// Twice the plane's place for a coordinate along the flipped axis, 0 for all else.
+    pub offset: f32,
+}
+
+impl Mirror {
+    /// The mirror image of a point.
+    #[must_use]
+    pub fn position(&self, position: Position) -> Position {
+        let mut mirrored = position;
+        mirrored[self.axis] = 2.0 * self.centre - position[self.axis];
+        mirrored
+    }
+}
+
+impl Reflection {
+    /// Writes the mirror image of `original` to `mirrored`; all three are equally long.
+    pub fn apply(reflections: &[Self], original: &[f32], mirrored: &mut [f32]) {
+        debug_assert!(reflections.len() == original.len() && original.len() == mirrored.len());
+        for (out, Self { from, sign, offset }) in mirrored.iter_mut().zip(reflections) {
+            *out = sign * original[*from] + offset;
+        }
+    }
+}
+
+/// An environment could not be reset or stepped.
+#[derive(Debug, thiserror::Error)]
+#[error(transparent)]
+pub struct EnvError(#[from] Box<dyn std::error::Error + Send + Sync>);
+
+impl EnvError {
+    /// Wraps whatever went wrong.
+    pub fn new(error: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> Self {
+        Self(error.into())
+    }
+}
+
+/// The beginning of an episode.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Start<const N: usize> {
+    /// Where everything is.
+    pub achieved: Achieved<N>,
+    /// What the task asks for.
+    pub desired: Desired<N>,
+}
+
+/// A scene with `N` objects, simulated or real.
+///
+/// There is no reward and no end in it: the reward is a function of goals
+/// ([`EncodedGoal::reward`](crate::goal::EncodedGoal::reward)), and every episode has
+/// [`EnvSpec::episode_steps`] steps.
+pub trait Env<const N: usize>: Send {
+    /// Widths and limits.
+    fn spec(&self) -> &EnvSpec<N>;
+
+    /// Starts the episode that belongs to `seed` and writes its first observation.
+    ///
+    /// A simulated episode must depend on nothing but its seed and the actions that follow:
+    /// reproducible runs rest on it.
+    fn reset(&mut self, seed: u64, observation: &mut [f32]) -> Result<Start<N>, EnvError>;
+
+    /// Acts for one step and writes the observation after it.
+    fn step(&mut self, action: &[f32], observation: &mut [f32]) -> Result<Achieved<N>, EnvError>;
+}

@@ -1,0 +1,15 @@
+//! What is asked for, what was reached, and whether the two agree.
+//!
+//! Everything here is a pure function of positions: no IO, no randomness, no tensors.
+//! The order of the files is the order of the method: a [`Scene`] is cut into [`Stage`]s, each
+//! stage sees its own [`EncodedGoal`], and [`EncodedGoal::reward`] judges what came of it.
+
+mod encoding;
+mod reward;
+mod scene;
+mod stage;
+
+pub use encoding::{EncodedGoal, Slot};
+pub use reward::{FAILURE, SUCCESS, Tolerances};
+pub use scene::{Achieved, Desired, LaterObjects, Position, Scene};
+pub use stage::{Leg, Stage};

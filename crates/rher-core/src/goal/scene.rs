@@ -1,0 +1,82 @@
+//! Positions of the gripper and the objects, as reached and as asked for.
+
+use nalgebra::Point3;
+use serde::{Deserialize, Serialize};
+
+/// A point in the world frame, in metres.
+pub type Position = Point3<f32>;
+
+/// Where the gripper and each of `N` objects are; objects are in relay order.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scene<const N: usize> {
+    /// Grip centre.
+    pub gripper: Position,
+    /// One centre for each object.
+    pub objects: [Position; N],
+}
+
+impl<const N: usize> Scene<N> {
+    /// Whether every coordinate is a finite number.
+    pub fn is_finite(&self) -> bool {
+        let finite = |p: &Position| p.coords.iter().all(|x| x.is_finite());
+        finite(&self.gripper) && self.objects.iter().all(finite)
+    }
+}
+
+/// A scene that was reached: the paper's `s_ag`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Achieved<const N: usize>(pub Scene<N>);
+
+/// Which place hindsight asks of the objects that a sub-task leaves alone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum LaterObjects {
+    /// Where they are at the step that is replayed, as in the authors' code.
+    Now,
+    /// Where they are at the later step, as eq. 9 has it.
+    Later,
+}
+
+/// A scene that is asked for: the paper's `s_dg`.
+///
+/// It comes either from the task, or from [`Desired::in_hindsight`], and from nowhere else.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Desired<const N: usize> {
+    objects: [Position; N],
+    gripper: Option<Position>,
+    later_objects: Option<[Position; N]>,
+}
+
+impl<const N: usize> Desired<N> {
+    /// What the task asks for: a target for every object.
+    ///
+    /// The gripper's goal is then wherever the object to be reached is.
+    pub fn of_task(objects: [Position; N]) -> Self {
+        Self { objects, gripper: None, later_objects: None }
+    }
+
+    /// Hindsight (eq. 4 and 9): asks for what was in fact reached at a later step.
+    pub fn in_hindsight(reached: Achieved<N>, later_objects: LaterObjects) -> Self {
+        let Achieved(Scene { gripper, objects }) = reached;
+        Self {
+            objects,
+            gripper: Some(gripper),
+            later_objects: (later_objects == LaterObjects::Later).then_some(objects),
+        }
+    }
+
+    /// Target of each object.
+    pub fn objects(&self) -> &[Position; N] {
+        &self.objects
+    }
+
+    /// Where the gripper should be in order to reach `object`.
+    pub(super) fn gripper_at(&self, object: usize, now: &Achieved<N>) -> Position {
+        self.gripper.unwrap_or(now.0.objects[object])
+    }
+
+    /// Where the objects that a sub-task leaves alone should stay.
+    pub(super) fn later_objects(&self, now: &Achieved<N>) -> [Position; N] {
+        self.later_objects.unwrap_or(now.0.objects)
+    }
+}

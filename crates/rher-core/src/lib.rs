@@ -1,0 +1,7 @@
+//! Relay Hindsight Experience Replay for environments of your own.
+//!
+//! Modules in the order in which data flows through them: [`goal`] and [`env`] say what is asked
+//! and what happens.
+
+pub mod env;
+pub mod goal;
