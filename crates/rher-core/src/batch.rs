@@ -1,0 +1,42 @@
+//! A batch of transitions as the networks take them; past this point nobody knows `N`.
+
+/// Rows for one update, in flat buffers that are reused from one draw to the next.
+///
+/// # Shapes
+///
+/// `inputs`, `next_inputs`: `[rows, input]`; `actions`: `[rows, action]`; `rewards`: `[rows]`.
+/// All are row-major. There is no end flag: a time-out is not an end, so every next state counts.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Batch {
+    /// Normalised observation and goal before the step.
+    pub inputs: Vec<f32>,
+    /// The action taken, in [−1, 1].
+    pub actions: Vec<f32>,
+    /// The sparse reward, 0 or −1.
+    pub rewards: Vec<f32>,
+    /// Normalised observation after the step, with the same goal.
+    pub next_inputs: Vec<f32>,
+    /// Numbers in one row of `inputs`.
+    pub input: usize,
+    /// Numbers in one row of `actions`.
+    pub action: usize,
+}
+
+impl Batch {
+    /// A batch of zeros.
+    pub fn zeros(rows: usize, input: usize, action: usize) -> Self {
+        Self {
+            inputs: vec![0.0; rows * input],
+            actions: vec![0.0; rows * action],
+            rewards: vec![0.0; rows],
+            next_inputs: vec![0.0; rows * input],
+            input,
+            action,
+        }
+    }
+
+    /// How many transitions it holds.
+    pub fn rows(&self) -> usize {
+        self.rewards.len()
+    }
+}
