@@ -6,5 +6,10 @@
 #[cfg(feature = "agent")]
 pub mod agent;
 pub mod batch;
+#[cfg(feature = "agent")]
+pub mod config;
 pub mod env;
+#[cfg(feature = "agent")]
+pub mod event;
 pub mod goal;
+pub mod seed;

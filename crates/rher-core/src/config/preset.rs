@@ -1,0 +1,134 @@
+//! Named starting points for a run's settings.
+
+use super::{
+    BatchMode, EvaluationConfig, ExplorationConfig, GoalFrame, Method, RelayConfig, ReplayConfig,
+    TestPolicy, TrainConfig, TrainPolicy, VERSION,
+};
+use crate::agent::config::{AgentConfig, EngineKind, Init, TargetEvery};
+use crate::goal::LaterObjects;
+use serde::{Deserialize, Serialize};
+
+/// A named starting point for a run's settings.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Preset {
+    /// Reaches the success rate soonest on the user's machine.
+    Fast,
+    /// Reaches it in the fewest environment steps.
+    SampleEfficient,
+    /// The published settings.
+    Paper,
+}
+
+impl Preset {
+    /// Every preset, the default first.
+    pub const ALL: [Self; 3] = [Self::Fast, Self::SampleEfficient, Self::Paper];
+
+    /// The settings of this preset for a task with `objects` objects.
+    pub fn config(self, task: &str, objects: usize) -> TrainConfig {
+        let paper = paper(task, objects);
+        match self {
+            Self::Paper => paper,
+            Self::Fast => fast(paper),
+            Self::SampleEfficient => sample_efficient(paper),
+        }
+    }
+}
+
+/// The authors' settings: their single-object code for one object, their multi-object code for
+/// more, but with the mean squared action as penalty and every sub-task trained.
+fn paper(task: &str, objects: usize) -> TrainConfig {
+    let single = objects == 1;
+    TrainConfig {
+        version: VERSION,
+        task: task.to_owned(),
+        preset: Preset::Paper,
+        seed: 1,
+        env_steps: match objects {
+            1 => 1_000_000,
+            2 => 1_200_000,
+            _ => 4_200_000,
+        },
+        until: 0.95,
+        envs: 1,
+        relay: RelayConfig {
+            method: Method::Rher,
+            reach_distance: if single { 0.03 } else { 0.05 },
+            hindsight: 0.8,
+            later_objects: LaterObjects::Now,
+            goal_frame: GoalFrame::Absolute,
+            mirror: 0.0,
+        },
+        exploration: ExplorationConfig {
+            guide: 0.4,
+            random: 0.2,
+            noise: 0.2,
+            adjust_to_success: !single,
+            success_threshold: if single { 1.0 } else { 0.8 },
+            window: 10,
+            train_policy: TrainPolicy::Mix,
+            test_policy: TestPolicy::Final,
+        },
+        replay: ReplayConfig {
+            capacity: 1_000_000,
+            batch_size: if single { 256 } else { 2048 },
+            batch_mode: if single { BatchMode::Separate } else { BatchMode::Joint },
+            updates_per_episode: 40,
+            warmup_episodes: if single { 0 } else { 50 },
+        },
+        agent: AgentConfig {
+            engine: EngineKind::Burn,
+            hidden: if single { vec![256; 3] } else { vec![256; 2] },
+            init: if single { Init::Xavier } else { Init::FanIn },
+            critics: if single { 1 } else { 2 },
+            critic_layer_norm: false,
+            policy_delay: if single { 1 } else { 2 },
+            target_noise: if single { 0.0 } else { 0.2 },
+            target_noise_clip: 0.5,
+            discount: 0.98,
+            action_l2: 1.0,
+            actor_learning_rate: 1e-3,
+            critic_learning_rate: 1e-3,
+            target_rate: if single { 0.05 } else { 0.01 },
+            target_every: if single { TargetEvery::Episode } else { TargetEvery::Update },
+        },
+        evaluation: EvaluationConfig {
+            every_episodes: 50,
+            episodes: 100,
+            subtask_episodes: 20,
+            env_seed: 0,
+        },
+    }
+}
+
+/// Relative goals, mirrored batches, targets that follow every update, γ 0.95, and all sub-tasks
+/// in one joint batch.
+fn fast(paper: TrainConfig) -> TrainConfig {
+    TrainConfig {
+        preset: Preset::Fast,
+        relay: RelayConfig { goal_frame: GoalFrame::Relative, mirror: 0.5, ..paper.relay },
+        replay: ReplayConfig {
+            batch_size: 128,
+            batch_mode: BatchMode::Joint,
+            warmup_episodes: 0,
+            ..paper.replay
+        },
+        agent: AgentConfig {
+            discount: 0.95,
+            target_rate: 0.01,
+            target_every: TargetEvery::Update,
+            ..paper.agent
+        },
+        ..paper
+    }
+}
+
+/// As `fast`, with twice the rows and twice the updates.
+fn sample_efficient(paper: TrainConfig) -> TrainConfig {
+    let fast = fast(paper);
+    TrainConfig {
+        preset: Preset::SampleEfficient,
+        replay: ReplayConfig { batch_size: 256, updates_per_episode: 80, ..fast.replay },
+        ..fast
+    }
+}
