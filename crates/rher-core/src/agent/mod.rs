@@ -1,5 +1,7 @@
 //! The learner: a TD3 actor-critic on Burn, and the policy that comes out of it.
 
+pub mod adam;
+pub mod burn;
 pub mod config;
 pub mod learner;
 pub mod network;
