@@ -1,1 +1,27 @@
-//! Placeholder.
+//! The tasks of Relay Hindsight Experience Replay on the Rapier physics engine.
+//!
+//! Tasks with one object follow the Fetch environments of Gymnasium-Robotics number by number, so
+//! that a policy trained here runs there, and the other way round.
+//!
+//! ```
+//! use rher_core::env::Env as _;
+//! use rher_envs::{Simulation, tasks::Push};
+//!
+//! let mut env = Simulation::<Push, 1>::new();
+//! let mut observation = vec![0.0; env.spec().observation];
+//! let start = env.reset(7, &mut observation)?;
+//! let achieved = env.step(&[1.0, 0.0, 0.0, 0.0], &mut observation)?;
+//! assert!(achieved.0.gripper.x > start.achieved.0.gripper.x);
+//! # Ok::<(), rher_core::env::EnvError>(())
+//! ```
+
+mod observation;
+mod sim;
+mod simulation;
+mod task;
+pub mod tasks;
+
+pub use observation::Sink;
+pub use sim::World;
+pub use simulation::{ACTION_WIDTH, Layout, Scenario, Simulated, Simulation, State};
+pub use task::{EnvVisitor, Task, UnknownTask};

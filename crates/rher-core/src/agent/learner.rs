@@ -4,6 +4,7 @@ use super::config::AgentConfig;
 use super::network::Shape;
 use crate::batch::Batch;
 use rand::Rng;
+use serde::{Deserialize, Serialize};
 
 /// Adam's decay of the first moment.
 pub const BETA_1: f32 = 0.9;
@@ -15,7 +16,7 @@ pub const EPSILON: f32 = 1e-8;
 pub const NORM_EPSILON: f32 = 1e-5;
 
 /// A trained network, its target and its optimiser; every vector has the layout of `shape`.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Trained {
     /// What is where in the vectors.
     pub shape: Shape,
@@ -47,7 +48,7 @@ impl Trained {
 }
 
 /// Everything a learner remembers: what a checkpoint keeps, and what engines exchange.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LearnerState {
     /// Input `[observation ‖ goal]`, output the action before its tanh.
     pub actor: Trained,

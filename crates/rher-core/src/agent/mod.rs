@@ -1,5 +1,26 @@
-//! The learner: a TD3 actor-critic on Burn, and the policy that comes out of it.
+//! The learner: a TD3 actor-critic, and the policy that comes out of it.
 
+#[cfg(feature = "agent")]
+pub mod adam;
+#[cfg(feature = "agent")]
+pub mod burn;
 pub mod config;
+#[cfg(feature = "agent")]
+pub mod infer;
 pub mod learner;
 pub mod network;
+#[cfg(feature = "agent")]
+pub mod policy;
+
+/// The engine that `config` names, going on from `state`.
+#[cfg(feature = "agent")]
+pub fn engine(
+    config: &config::AgentConfig,
+    state: learner::LearnerState,
+) -> Box<dyn learner::Engine> {
+    match config.engine {
+        config::EngineKind::Burn | config::EngineKind::Fused => {
+            Box::new(burn::BurnEngine::from_state(config, state))
+        }
+    }
+}

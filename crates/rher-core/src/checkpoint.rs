@@ -1,0 +1,349 @@
+//! A run on disk: written so that a stop at any moment loses at most what came after the last
+//! checkpoint, and read so that nothing damaged is ever trusted.
+//!
+//! ```text
+//! policy.safetensors                      the policy alone
+//! checkpoint/current.ckpt                 all of the run but its replay
+//! checkpoint/previous.ckpt                the one before
+//! checkpoint/replay-000000.episodes       episodes 0 to 999, one record each, appended
+//! ```
+//!
+//! A `.ckpt` file is magic, version, length, CRC-32, and the state in postcard. A record is its
+//! episode's number, the episode as little-endian `f32`, and a CRC-32 of both. Records come first,
+//! so a state never counts an episode that is not there.
+
+use crate::agent::learner::LearnerState;
+use crate::config::TrainConfig;
+use crate::env::EnvSpec;
+use crate::episode::Episode;
+use crate::files;
+use crate::goal::{Achieved, Desired, Position, Scene};
+use crate::replay::Replay;
+use crate::train::RunState;
+use std::fs::{File, OpenOptions};
+use std::io::{self, Read as _, Seek as _, SeekFrom, Write as _};
+use std::path::{Path, PathBuf};
+
+/// Name of the policy file in a run folder.
+pub const POLICY_FILE: &str = "policy.safetensors";
+
+/// Name of the folder of checkpoints in a run folder.
+pub const CHECKPOINT_FOLDER: &str = "checkpoint";
+
+const CURRENT: &str = "current.ckpt";
+const PREVIOUS: &str = "previous.ckpt";
+const MAGIC: [u8; 8] = *b"RHERCKPT";
+const VERSION: u32 = 1;
+const HEADER: usize = MAGIC.len() + 4 + 8 + 4;
+const EPISODES_PER_FILE: u64 = 1000;
+
+/// A checkpoint could not be written or read.
+#[derive(Debug, thiserror::Error)]
+pub enum CheckpointError {
+    /// The file system refused.
+    #[error("cannot {verb} `{}`", path.display())]
+    Io {
+        /// `read` or `write`.
+        verb: &'static str,
+        /// The file or folder.
+        path: PathBuf,
+        /// What it said.
+        source: io::Error,
+    },
+    /// There is no checkpoint.
+    #[error("there is no checkpoint in `{}`", folder.display())]
+    Missing {
+        /// Where one was expected.
+        folder: PathBuf,
+    },
+    /// A file is not what was written.
+    #[error("`{}` is damaged: {problem}; {last_good}", path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        problem: String,
+        /// Which checkpoint is the last good one.
+        last_good: String,
+    },
+    /// The checkpoint is of another version of this program.
+    #[error("`{}` has version {found}, expected {expected}", path.display())]
+    Version {
+        /// The file.
+        path: PathBuf,
+        /// Its version.
+        found: u32,
+        /// The version of this program.
+        expected: u32,
+    },
+    /// The environment is not the one that the run was started with.
+    #[error("the run was made in {expected}, but the environment is {found}")]
+    Mismatch {
+        /// Environment of the run.
+        expected: String,
+        /// Environment that was given.
+        found: String,
+    },
+    /// The policy could not be written.
+    #[error(transparent)]
+    Policy(#[from] crate::agent::policy::PolicyError),
+}
+
+/// The settings of the run in `folder`.
+pub fn read_config(folder: &Path) -> Result<TrainConfig, CheckpointError> {
+    read_state(folder).map(|(state, _)| state.config)
+}
+
+/// Writes a checkpoint of `state`, of `learner` and of the episodes that are not on disk yet, whose first is
+/// number `saved_episodes`.
+pub(crate) fn write<const N: usize>(
+    folder: &Path,
+    state: &RunState,
+    learner: &LearnerState,
+    replay: &Replay<N>,
+    saved_episodes: u64,
+) -> Result<(), CheckpointError> {
+    let folder = folder.join(CHECKPOINT_FOLDER);
+    std::fs::create_dir_all(&folder).map_err(failed("write", &folder))?;
+    append_episodes(&folder, replay, saved_episodes)?;
+
+    let current = folder.join(CURRENT);
+    let payload = postcard::to_stdvec(&(state, learner))
+        .map_err(|error| failed("write", &current)(io::Error::other(error)))?;
+    let mut bytes = Vec::with_capacity(HEADER + payload.len());
+    bytes.extend(MAGIC);
+    bytes.extend(VERSION.to_le_bytes());
+    bytes.extend((payload.len() as u64).to_le_bytes());
+    bytes.extend(crc32fast::hash(&payload).to_le_bytes());
+    bytes.extend(payload);
+
+    // The new state is whole on disk before the good one moves aside.
+    let next = folder.join("next.ckpt");
+    files::replace(&next, &bytes).map_err(failed("write", &next))?;
+    if current.exists() {
+        std::fs::rename(&current, folder.join(PREVIOUS)).map_err(failed("write", &current))?;
+    }
+    std::fs::rename(&next, &current).map_err(failed("write", &current))?;
+    files::sync_folder(&folder).map_err(failed("write", &folder))?;
+    drop_old_files(&folder, saved_episodes, replay.capacity() as u64)
+}
+
+/// Reads the state of the run in `folder`, and its learner.
+///
+/// A damaged state is an error, not a reason to fall back silently; the one before is used only
+/// where a stop fell between two renames.
+pub(crate) fn read_state(folder: &Path) -> Result<(RunState, LearnerState), CheckpointError> {
+    let folder = folder.join(CHECKPOINT_FOLDER);
+    let (current, previous) = (folder.join(CURRENT), folder.join(PREVIOUS));
+    if current.exists() {
+        parse_state(&current).map_err(|error| with_last_good(error, &previous))
+    } else if previous.exists() {
+        parse_state(&previous)
+    } else {
+        Err(CheckpointError::Missing { folder })
+    }
+}
+
+fn parse_state(path: &Path) -> Result<(RunState, LearnerState), CheckpointError> {
+    let bytes = std::fs::read(path).map_err(failed("read", path))?;
+    let damaged = |problem: String| CheckpointError::Damaged {
+        path: path.to_owned(),
+        problem,
+        last_good: "there is no earlier good one".to_owned(),
+    };
+    let Some((header, payload)) = bytes.split_at_checked(HEADER) else {
+        return Err(damaged(format!("{} bytes, shorter than its header", bytes.len())));
+    };
+    let word = |at: usize| u32::from_le_bytes([0, 1, 2, 3].map(|i| header[at + i]));
+    if !header.starts_with(&MAGIC) {
+        return Err(damaged("it does not start like a checkpoint".to_owned()));
+    }
+    let (found, checksum) = (word(8), word(20));
+    let length = u64::from(word(12)) | u64::from(word(16)) << 32;
+    if found != VERSION {
+        return Err(CheckpointError::Version { path: path.into(), found, expected: VERSION });
+    }
+    if payload.len() as u64 != length {
+        let problem = format!("{} bytes of state, expected {length}", payload.len());
+        return Err(damaged(problem));
+    }
+    let computed = crc32fast::hash(payload);
+    if computed != checksum {
+        let problem = format!("checksum {computed:08x}, expected {checksum:08x}");
+        return Err(damaged(problem));
+    }
+    postcard::from_bytes(payload).map_err(|error| damaged(error.to_string()))
+}
+
+fn with_last_good(error: CheckpointError, previous: &Path) -> CheckpointError {
+    match (error, parse_state(previous)) {
+        (CheckpointError::Damaged { path, problem, .. }, Ok((state, _))) => {
+            let last_good = format!(
+                "the last good one is `{}`, at environment step {}",
+                previous.display(),
+                state.env_steps
+            );
+            CheckpointError::Damaged { path, problem, last_good }
+        }
+        (error, _) => error,
+    }
+}
+
+/// Reads the episodes that `state` counts and that fit in its replay.
+pub(crate) fn read_replay<const N: usize>(
+    folder: &Path,
+    state: &RunState,
+    spec: &EnvSpec<N>,
+) -> Result<Replay<N>, CheckpointError> {
+    let name = |task: &str, objects, observation, action| {
+        format!(
+            "`{task}` with {objects} objects, observations of {observation} and actions of {action}"
+        )
+    };
+    let about = &state.about;
+    let expected = name(&about.task, about.objects, about.observation, about.action);
+    let found = name(&spec.name, N, spec.observation, spec.action);
+    if expected != found {
+        return Err(CheckpointError::Mismatch { expected, found });
+    }
+    let folder = folder.join(CHECKPOINT_FOLDER);
+    let layout =
+        Layout { observation: spec.observation, action: spec.action, steps: spec.episode_steps };
+    let mut open: Option<(u64, File)> = None;
+    Replay::restore(spec, state.config.replay.capacity, state.episodes, |index| {
+        let part = index / EPISODES_PER_FILE;
+        let path = episodes_file(&folder, part);
+        let file = match &mut open {
+            Some((opened, file)) if *opened == part => file,
+            slot => {
+                let file = File::open(&path).map_err(failed("read", &path))?;
+                &mut slot.insert((part, file)).1
+            }
+        };
+        let mut record = vec![0; layout.record::<N>()];
+        file.seek(SeekFrom::Start((index % EPISODES_PER_FILE) * record.len() as u64))
+            .and_then(|_| file.read_exact(&mut record))
+            .map_err(|error| damaged_episode(&path, index, &error.to_string()))?;
+        layout.decode(index, &record).map_err(|problem| damaged_episode(&path, index, &problem))
+    })
+}
+
+fn damaged_episode(path: &Path, index: u64, problem: &str) -> CheckpointError {
+    CheckpointError::Damaged {
+        path: path.to_owned(),
+        problem: format!("episode {index}: {problem}"),
+        last_good: "the state counts on it, so this run cannot be resumed; its policy is good"
+            .to_owned(),
+    }
+}
+
+fn append_episodes<const N: usize>(
+    folder: &Path,
+    replay: &Replay<N>,
+    saved_episodes: u64,
+) -> Result<(), CheckpointError> {
+    let new = (replay.pushed() - saved_episodes).min(replay.episodes() as u64);
+    let mut index = replay.pushed() - new;
+    let mut open: Option<(u64, PathBuf, File)> = None;
+    let mut record = Vec::new();
+    for episode in replay.newest(new as usize) {
+        let part = index / EPISODES_PER_FILE;
+        if open.as_ref().is_none_or(|(opened, ..)| *opened != part) {
+            if let Some((_, path, file)) = open.take() {
+                file.sync_all().map_err(failed("write", &path))?;
+            }
+            let path = episodes_file(folder, part);
+            let file = OpenOptions::new().write(true).create(true).truncate(false).open(&path);
+            open = Some((part, path.clone(), file.map_err(failed("write", &path))?));
+        }
+        if let Some((_, path, file)) = &mut open {
+            encode(index, &episode, &mut record);
+            file.seek(SeekFrom::Start((index % EPISODES_PER_FILE) * record.len() as u64))
+                .and_then(|_| file.write_all(&record))
+                .map_err(failed("write", path))?;
+        }
+        index += 1;
+    }
+    match open {
+        Some((_, path, file)) => file.sync_all().map_err(failed("write", &path)),
+        None => Ok(()),
+    }
+}
+
+/// Deletes files of episodes that neither the current nor the previous state can need.
+fn drop_old_files(
+    folder: &Path,
+    saved_episodes: u64,
+    capacity: u64,
+) -> Result<(), CheckpointError> {
+    let oldest_needed = saved_episodes.saturating_sub(capacity) / EPISODES_PER_FILE;
+    for part in (0..oldest_needed).rev() {
+        let path = episodes_file(folder, part);
+        match std::fs::remove_file(&path) {
+            Ok(()) => {}
+            Err(error) if error.kind() == io::ErrorKind::NotFound => break,
+            Err(error) => return Err(failed("write", &path)(error)),
+        }
+    }
+    Ok(())
+}
+
+fn episodes_file(folder: &Path, part: u64) -> PathBuf {
+    folder.join(format!("replay-{part:06}.episodes"))
+}
+
+fn failed(verb: &'static str, path: &Path) -> impl FnOnce(io::Error) -> CheckpointError {
+    let path = path.to_owned();
+    move |source| CheckpointError::Io { verb, path, source }
+}
+
+/// Widths that fix the length of a record.
+struct Layout {
+    observation: usize,
+    action: usize,
+    steps: usize,
+}
+
+impl Layout {
+    fn record<const N: usize>(&self) -> usize {
+        let frames = (self.steps + 1) * (self.observation + 3 * (N + 1));
+        8 + 4 * (3 * N + frames + self.steps * self.action) + 4
+    }
+
+    fn decode<const N: usize>(&self, index: u64, record: &[u8]) -> Result<Episode<N>, String> {
+        let (body, checksum) = record.split_at(record.len() - 4);
+        let computed = crc32fast::hash(body);
+        if checksum != computed.to_le_bytes() {
+            return Err(format!("checksum {computed:08x} does not fit"));
+        }
+        let (number, floats) = body.split_at(8);
+        if number != index.to_le_bytes() {
+            return Err("its place holds another episode".to_owned());
+        }
+        let mut floats = floats.as_chunks::<4>().0.iter().map(|bytes| f32::from_le_bytes(*bytes));
+        let mut next = || floats.next().unwrap_or(f32::NAN);
+        let mut position = || Position::new(next(), next(), next());
+        let desired = Desired::of_task([(); N].map(|()| position()));
+        let achieved = (0..=self.steps)
+            .map(|_| Achieved(Scene { gripper: position(), objects: [(); N].map(|()| position()) }))
+            .collect();
+        let observations = (0..(self.steps + 1) * self.observation).map(|_| next()).collect();
+        let actions = (0..self.steps * self.action).map(|_| next()).collect();
+        Ok(Episode { desired, observations, achieved, actions })
+    }
+}
+
+fn encode<const N: usize>(index: u64, episode: &Episode<N>, record: &mut Vec<u8>) {
+    let Episode { desired, observations, achieved, actions } = episode;
+    record.clear();
+    record.extend(index.to_le_bytes());
+    let scenes = achieved
+        .iter()
+        .flat_map(|Achieved(scene)| std::iter::once(scene.gripper).chain(scene.objects));
+    let positions = desired.objects().iter().copied().chain(scenes);
+    let floats = positions
+        .flat_map(|position| <[f32; 3]>::from(position.coords))
+        .chain(observations.iter().chain(actions).copied());
+    record.extend(floats.flat_map(f32::to_le_bytes));
+    record.extend(crc32fast::hash(record).to_le_bytes());
+}

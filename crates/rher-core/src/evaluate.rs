@@ -1,0 +1,146 @@
+//! How good a policy is: deterministic, on fixed episodes, judged at the last step.
+
+use crate::agent::policy::{Mismatch, Policy};
+use crate::config::{EvaluationConfig, TestPolicy};
+use crate::env::Env;
+use crate::episode::{Episode, RolloutError, rollout};
+use crate::goal::{EncodedGoal, Stage};
+use crate::seed::{Purpose, Seed};
+use rand::RngExt as _;
+use rayon::prelude::*;
+
+/// What an evaluation found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Evaluation {
+    /// Success rate of every sub-task; `None` where it was not evaluated.
+    pub success: Vec<Option<f32>>,
+    /// Success rate of the last sub-task.
+    pub success_final: f32,
+    /// Mean distance of the objects to their targets at the end of the last sub-task's episodes,
+    /// in metres; of the gripper to the object where the last sub-task is to reach it.
+    pub final_distance: f32,
+}
+
+/// An evaluation could not be made.
+#[derive(Debug, thiserror::Error)]
+pub enum EvaluateError {
+    /// The policy is of another task.
+    #[error(transparent)]
+    Mismatch(#[from] Mismatch),
+    /// The environment failed.
+    #[error(transparent)]
+    Rollout(#[from] RolloutError),
+}
+
+/// Plays `config.episodes` episodes for the last sub-task of `policy`, and with
+/// `with_subtasks` `config.subtask_episodes` for each sub-task before it.
+///
+/// Episodes are shared out among `envs`, in parallel on the current thread pool; the result does
+/// not depend on how.
+///
+/// # Panics
+///
+/// If there is no environment.
+pub fn evaluate<const N: usize, E: Env<N>>(
+    envs: &mut [E],
+    policy: &Policy,
+    config: &EvaluationConfig,
+    test_policy: TestPolicy,
+    with_subtasks: bool,
+) -> Result<Evaluation, EvaluateError> {
+    let spec = envs[0].spec();
+    policy.check(spec)?;
+    let tolerances = spec.tolerances;
+    let stages: Vec<Stage<N>> = Stage::all().take(policy.about().subtasks).collect();
+    let last = stages.len() - 1;
+    let first = if with_subtasks { 0 } else { last };
+    let plays: Vec<(Stage<N>, u64)> = stages[first..]
+        .iter()
+        .flat_map(|&stage| {
+            let full = stage.index() == last;
+            let episodes = if full { config.episodes } else { config.subtask_episodes };
+            (0..episodes as u64).map(move |episode| (stage, episode))
+        })
+        .collect();
+
+    let workers = envs.len();
+    let mut results = envs
+        .par_iter_mut()
+        .enumerate()
+        .map(|(worker, env)| {
+            plays
+                .iter()
+                .skip(worker)
+                .step_by(workers)
+                .map(|&(stage, episode)| {
+                    let played =
+                        play(env, policy, stage, test_policy, Seed(config.env_seed), episode)?;
+                    let end = played.achieved[played.achieved.len() - 1];
+                    let goal = EncodedGoal::new(stage, &end, &played.desired);
+                    let distance = final_distance(stage, &played);
+                    Ok((stage.index(), goal.is_met(&end, &tolerances), distance))
+                })
+                .collect::<Result<Vec<_>, RolloutError>>()
+        })
+        .collect::<Result<Vec<_>, RolloutError>>()?
+        .into_iter()
+        .map(Vec::into_iter)
+        .collect::<Vec<_>>();
+    let in_order = (0..plays.len()).filter_map(|play| results[play % workers].next());
+
+    let mut successes = vec![0_usize; stages.len()];
+    let mut distances = 0.0;
+    for (stage, met, distance) in in_order {
+        successes[stage] += usize::from(met);
+        if stage == last {
+            distances += f64::from(distance);
+        }
+    }
+    let rate = |stage: usize, episodes: usize| successes[stage] as f32 / episodes as f32;
+    let success_final = rate(last, config.episodes);
+    let success = (0..last)
+        .map(|stage| with_subtasks.then(|| rate(stage, config.subtask_episodes)))
+        .chain([Some(success_final)])
+        .collect();
+    let final_distance = (distances / config.episodes as f64) as f32;
+    Ok(Evaluation { success, success_final, final_distance })
+}
+
+fn play<const N: usize>(
+    env: &mut impl Env<N>,
+    policy: &Policy,
+    stage: Stage<N>,
+    test_policy: TestPolicy,
+    seed: Seed,
+    episode: u64,
+) -> Result<Episode<N>, RolloutError> {
+    let tolerances = env.spec().tolerances;
+    let reach_distance = policy.about().reach_distance;
+    let mut actor = policy.actor();
+    let mut rng = seed.stream(Purpose::Exploration, episode);
+    let env_seed = seed.episode(Purpose::Evaluation, episode);
+    rollout(env, env_seed, |view, action| {
+        let current = || {
+            let now = Stage::of(view.achieved, view.desired, &tolerances, reach_distance);
+            if now.index() < stage.index() { now } else { stage }
+        };
+        let acting = match test_policy {
+            TestPolicy::Final => stage,
+            TestPolicy::Guide => current(),
+            TestPolicy::Mix if rng.random() => current(),
+            TestPolicy::Mix => stage,
+        };
+        actor.act(acting, view.observation, view.achieved, view.desired, action);
+    })
+}
+
+fn final_distance<const N: usize>(stage: Stage<N>, episode: &Episode<N>) -> f32 {
+    let end = &episode.achieved[episode.achieved.len() - 1].0;
+    match stage.leg() {
+        crate::goal::Leg::Reach => nalgebra::distance(&end.gripper, &end.objects[stage.object()]),
+        crate::goal::Leg::Place => {
+            let pairs = end.objects.iter().zip(episode.desired.objects());
+            pairs.map(|(object, target)| nalgebra::distance(object, target)).sum::<f32>() / N as f32
+        }
+    }
+}

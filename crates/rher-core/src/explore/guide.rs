@@ -1,0 +1,76 @@
+//! Who chooses the next action (eq. 10).
+
+use super::Curriculum;
+use crate::config::{ExplorationConfig, Method, TrainConfig, TrainPolicy};
+use crate::goal::Stage;
+use rand::{Rng, RngExt as _};
+
+/// Who chooses an action.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Choice<const N: usize> {
+    /// Chance: a uniform draw.
+    Random,
+    /// The policy of a sub-task that leads to where the learner can learn.
+    Guide(Stage<N>),
+    /// The policy that is to be learned there.
+    Learner(Stage<N>),
+}
+
+/// Draws who chooses each action of an episode.
+#[derive(Clone, Debug)]
+pub struct Guide<const N: usize> {
+    config: ExplorationConfig,
+    method: Method,
+    guide: usize,
+    last: usize,
+    rates: Vec<f32>,
+}
+
+impl<const N: usize> Guide<N> {
+    /// The draw as the curriculum has it now.
+    pub fn new(config: &TrainConfig, subtasks: usize, curriculum: &Curriculum) -> Self {
+        Self {
+            config: config.exploration.clone(),
+            method: config.relay.method,
+            guide: curriculum.guide(),
+            last: subtasks - 1,
+            rates: (0..subtasks).map(|subtask| curriculum.rate(subtask)).collect(),
+        }
+    }
+
+    /// Draws who chooses the action in a scene at `stage` (eq. 10).
+    ///
+    /// With probability β it is chance, with α the policy of sub-task max(g, j), otherwise the one
+    /// after it. Where both are the last sub-task it counts as the learner.
+    pub fn draw(&self, stage: Stage<N>, rng: &mut impl Rng) -> Choice<N> {
+        let first = self.guide.max(stage.index()).min(self.last);
+        let next = (first + 1).min(self.last);
+        let guided = self.method == Method::Rher && first < next;
+        let learner = if self.method == Method::Her { self.last } else { next };
+
+        let random = self.config.random * self.exploration(learner);
+        let guide = match self.config.train_policy {
+            TrainPolicy::Mix => self.config.guide,
+            TrainPolicy::Guide => 1.0,
+        };
+        let draw = rng.random::<f32>();
+        let policy = |index| Stage::from_index(index).unwrap_or(stage);
+        if draw < random {
+            Choice::Random
+        } else if guided && draw < random + guide {
+            Choice::Guide(policy(first))
+        } else {
+            Choice::Learner(policy(learner))
+        }
+    }
+
+    /// Standard deviation of the noise on an action of the policy of `stage`.
+    pub fn noise(&self, stage: Stage<N>) -> f32 {
+        self.config.noise * self.exploration(stage.index())
+    }
+
+    /// What is left to explore in a sub-task: 1, or 1 − its success rate (AAES).
+    fn exploration(&self, subtask: usize) -> f32 {
+        if self.config.adjust_to_success { 1.0 - self.rates[subtask] } else { 1.0 }
+    }
+}

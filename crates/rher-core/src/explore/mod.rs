@@ -1,0 +1,8 @@
+//! Self-guided exploration: a learned simpler policy leads into the states from which the next
+//! one can be learned.
+
+mod curriculum;
+mod guide;
+
+pub use curriculum::Curriculum;
+pub use guide::{Choice, Guide};

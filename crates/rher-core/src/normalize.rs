@@ -1,0 +1,74 @@
+//! Running mean and standard deviation, and the clipped normalisation they give.
+
+use serde::{Deserialize, Serialize};
+
+/// Normalised values are clipped to ± this.
+pub const CLIP: f32 = 5.0;
+
+/// Smallest standard deviation that is divided by.
+pub const SMALLEST_DEVIATION: f32 = 0.01;
+
+/// Running statistics of a vector, one mean and deviation for each of its numbers.
+///
+/// Positions around 1.3 m vary by centimetres, so the sums are kept in `f64`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Normalizer {
+    count: f64,
+    sums: Vec<f64>,
+    squares: Vec<f64>,
+    mean: Vec<f32>,
+    inverse_deviation: Vec<f32>,
+}
+
+impl Normalizer {
+    /// Statistics of nothing yet: values pass through, clipped.
+    pub fn new(width: usize) -> Self {
+        Self {
+            count: 0.0,
+            sums: vec![0.0; width],
+            squares: vec![0.0; width],
+            mean: vec![0.0; width],
+            inverse_deviation: vec![1.0; width],
+        }
+    }
+
+    /// Numbers in a vector.
+    pub fn width(&self) -> usize {
+        self.mean.len()
+    }
+
+    /// Takes a vector into the sums; [`Normalizer::refresh`] brings them into force.
+    pub fn observe(&mut self, values: &[f32]) {
+        debug_assert_eq!(values.len(), self.width());
+        self.count += 1.0;
+        for ((sum, square), value) in self.sums.iter_mut().zip(&mut self.squares).zip(values) {
+            let value = f64::from(*value);
+            *sum += value;
+            *square += value * value;
+        }
+    }
+
+    /// Recomputes means and deviations from the sums.
+    pub fn refresh(&mut self) {
+        if self.count == 0.0 {
+            return;
+        }
+        let moments = self.sums.iter().zip(&self.squares);
+        let outputs = self.mean.iter_mut().zip(&mut self.inverse_deviation);
+        for ((sum, square), (mean, inverse)) in moments.zip(outputs) {
+            let average = sum / self.count;
+            let variance = (square / self.count - average * average).max(0.0);
+            *mean = average as f32;
+            *inverse = 1.0 / (variance.sqrt() as f32).max(SMALLEST_DEVIATION);
+        }
+    }
+
+    /// Writes the normalised values.
+    pub fn apply(&self, values: &[f32], normalised: &mut [f32]) {
+        debug_assert!(values.len() == self.width() && normalised.len() == self.width());
+        let scales = self.mean.iter().zip(&self.inverse_deviation);
+        for ((out, value), (mean, inverse)) in normalised.iter_mut().zip(values).zip(scales) {
+            *out = ((value - mean) * inverse).clamp(-CLIP, CLIP);
+        }
+    }
+}

@@ -1,0 +1,514 @@
+//! The loop: explore, store, relabel, update, evaluate, and from the top.
+
+mod tally;
+
+use crate::agent::config::{AgentConfig, TargetEvery};
+use crate::agent::learner::{Engine, LearnerState, Losses};
+use crate::agent::network::Shape;
+use crate::agent::policy::{About, Policy};
+use crate::batch::Batch;
+use crate::checkpoint::{self, CheckpointError};
+use crate::config::{BatchMode, ConfigError, Method, TrainConfig};
+use crate::env::Env;
+use crate::episode::{Episode, RolloutError, rollout};
+use crate::evaluate::{EvaluateError, Evaluation, evaluate};
+use crate::event::{Event, Observer, ObserverError, Progress, Seconds};
+use crate::explore::{Choice, Curriculum, Guide};
+use crate::goal::Stage;
+use crate::input::InputEncoder;
+use crate::relabel::Relabeler;
+use crate::replay::Replay;
+use crate::seed::{Purpose, Seed};
+use rand::RngExt as _;
+use rand_distr::StandardNormal;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+use tally::{Actors, Tally};
+
+/// Why a run ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Finish {
+    /// Two evaluations running were as good as `until` asks.
+    Solved,
+    /// All environment steps were taken.
+    StepsSpent,
+    /// It was asked to stop.
+    Stopped,
+}
+
+/// A run could not go on; what was saved before is untouched.
+#[derive(Debug, thiserror::Error)]
+pub enum TrainError {
+    /// A setting is outside its range.
+    #[error(transparent)]
+    Config(#[from] ConfigError),
+    /// Fewer environments than the settings ask for.
+    #[error("{given} environments were given, expected at least `envs` = {expected}")]
+    TooFewEnvs {
+        /// How many were given.
+        given: usize,
+        /// How many are needed.
+        expected: usize,
+    },
+    /// The threads could not be started.
+    #[error("cannot start {workers} threads")]
+    Threads {
+        /// How many were asked for.
+        workers: usize,
+        /// What the system said.
+        source: rayon::ThreadPoolBuildError,
+    },
+    /// An environment failed in training.
+    #[error("episode {episode}")]
+    Rollout {
+        /// Number of the training episode.
+        episode: u64,
+        /// What went wrong.
+        source: RolloutError,
+    },
+    /// An environment failed in evaluation.
+    #[error("evaluation after episode {episode}")]
+    Evaluate {
+        /// Training episodes before it.
+        episode: u64,
+        /// What went wrong.
+        source: EvaluateError,
+    },
+    /// The learner diverged.
+    #[error("update {update} is not finite: {losses:?}; its batch has seed {seed}, count {update}")]
+    NotFinite {
+        /// Number of the update.
+        update: u64,
+        /// Seed of the run.
+        seed: u64,
+        /// What the update reported.
+        losses: Losses,
+    },
+    /// The checkpoint could not be written or read.
+    #[error(transparent)]
+    Checkpoint(#[from] CheckpointError),
+    /// An observer failed.
+    #[error(transparent)]
+    Observer(#[from] ObserverError),
+}
+
+/// Everything of a run but its replay: what a checkpoint keeps beside it.
+///
+/// There are no generator states in it: random streams are functions of the counts.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct RunState {
+    pub(crate) config: TrainConfig,
+    pub(crate) about: About,
+    pub(crate) env_steps: u64,
+    pub(crate) episodes: u64,
+    pub(crate) updates: u64,
+    pub(crate) evaluations: u64,
+    /// Final success rates of the last two evaluations, the newest last.
+    last_success: [f32; 2],
+    encoder: InputEncoder,
+    curriculum: Curriculum,
+    tally: Tally,
+    wall_s: f64,
+    seconds: Seconds,
+}
+
+/// A run of relay hindsight experience replay.
+pub struct Trainer<const N: usize, E> {
+    state: RunState,
+    envs: Vec<E>,
+    pool: rayon::ThreadPool,
+    stages: Vec<Stage<N>>,
+    replay: Replay<N>,
+    /// Episodes that are on disk.
+    saved_episodes: u64,
+    relabeler: Relabeler<N>,
+    batches: Vec<SubtaskBatch<N>>,
+    noise: Vec<f32>,
+    engine: Box<dyn Engine>,
+    actor_shape: Shape,
+    policy: Policy,
+}
+
+/// The rows of one update, an equal number for each of its sub-tasks.
+struct SubtaskBatch<const N: usize> {
+    stages: Vec<Stage<N>>,
+    batch: Batch,
+}
+
+impl<const N: usize, E: Env<N>> Trainer<N, E> {
+    /// A new run.
+    ///
+    /// `envs` are equal and at least as many as `config.envs`; evaluations use all of them, so
+    /// more of them let more of the `workers` threads help. No result depends on either.
+    pub fn new(config: TrainConfig, envs: Vec<E>, workers: usize) -> Result<Self, TrainError> {
+        config.validate()?;
+        let spec = first(&envs, &config)?.spec();
+        let about = About {
+            task: spec.name.clone(),
+            objects: N,
+            subtasks: spec.subtasks,
+            observation: spec.observation,
+            action: spec.action,
+            reach_distance: config.relay.reach_distance,
+        };
+        let encoder = InputEncoder::new(config.relay.goal_frame, spec.observation, N);
+        let mut rng = Seed(config.seed).stream(Purpose::Init, 0);
+        let learner = LearnerState::new(&config.agent, encoder.width(), spec.action, &mut rng);
+        let state = RunState {
+            env_steps: 0,
+            episodes: 0,
+            updates: 0,
+            evaluations: 0,
+            last_success: [0.0; 2],
+            curriculum: Curriculum::new(&config.exploration, spec.subtasks),
+            tally: Tally::new(spec.subtasks, N),
+            wall_s: 0.0,
+            seconds: Seconds::default(),
+            encoder,
+            about,
+            config,
+        };
+        let replay = Replay::new(spec, state.config.replay.capacity);
+        Self::assemble(state, learner, replay, envs, workers)
+    }
+
+    /// Goes on with the run whose folder is `folder`, from its last checkpoint.
+    ///
+    /// What follows is what would have followed had it never stopped.
+    pub fn resume(folder: &Path, envs: Vec<E>, workers: usize) -> Result<Self, TrainError> {
+        let (state, learner) = checkpoint::read_state(folder)?;
+        let spec = first(&envs, &state.config)?.spec();
+        let replay = checkpoint::read_replay(folder, &state, spec)?;
+        Self::assemble(state, learner, replay, envs, workers)
+    }
+
+    fn assemble(
+        state: RunState,
+        learner: LearnerState,
+        replay: Replay<N>,
+        envs: Vec<E>,
+        workers: usize,
+    ) -> Result<Self, TrainError> {
+        let spec = first(&envs, &state.config)?.spec().clone();
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(workers)
+            .build()
+            .map_err(|source| TrainError::Threads { workers, source })?;
+        let RunState { config, about, encoder, .. } = &state;
+        let relayed: Vec<Stage<N>> = Stage::all().take(about.subtasks).collect();
+        let stages = match config.relay.method {
+            Method::Rher => relayed,
+            Method::Her => relayed[about.subtasks - 1..].to_vec(),
+        };
+        let rows = config.replay.batch_size;
+        let subtask_batch = |stages: Vec<Stage<N>>| SubtaskBatch {
+            batch: Batch::zeros(rows * stages.len(), encoder.width(), about.action),
+            stages,
+        };
+        let batches = match config.replay.batch_mode {
+            BatchMode::Joint => vec![subtask_batch(stages.clone())],
+            BatchMode::Separate => stages.iter().map(|&stage| subtask_batch(vec![stage])).collect(),
+        };
+        let relabeler = Relabeler::new(&config.relay, &spec);
+        let noise = vec![0.0; rows * stages.len() * about.action];
+        let actor_shape = learner.actor.shape.clone();
+        let mut engine = crate::agent::engine(&state.config.agent, learner);
+        let policy = Policy::new(
+            state.about.clone(),
+            state.encoder.clone(),
+            actor_shape.clone(),
+            engine.actor().to_vec(),
+        );
+        let saved_episodes = replay.pushed();
+        Ok(Self {
+            state,
+            envs,
+            pool,
+            stages,
+            replay,
+            saved_episodes,
+            relabeler,
+            batches,
+            noise,
+            engine,
+            actor_shape,
+            policy,
+        })
+    }
+
+    /// Settings of the run.
+    pub fn config(&self) -> &TrainConfig {
+        &self.state.config
+    }
+
+    /// Changes how many environment steps the run takes.
+    pub fn set_env_steps(&mut self, env_steps: u64) {
+        self.state.config.env_steps = env_steps;
+    }
+
+    /// Changes the success rate that ends the run.
+    pub fn set_until(&mut self, until: f32) {
+        self.state.config.until = until;
+    }
+
+    /// How far the run is.
+    pub fn progress(&self) -> Progress {
+        Progress {
+            env_steps: self.state.env_steps,
+            episodes: self.state.episodes,
+            updates: self.state.updates,
+        }
+    }
+
+    /// Evaluations made so far.
+    pub fn evaluations(&self) -> u64 {
+        self.state.evaluations
+    }
+
+    /// The policy as it is now.
+    pub fn policy(&self) -> &Policy {
+        &self.policy
+    }
+
+    /// Whether and why the run is at its end.
+    pub fn finished(&self) -> Option<Finish> {
+        let TrainConfig { until, env_steps, .. } = self.state.config;
+        let [before, last] = self.state.last_success;
+        if until > 0.0 && before >= until && last >= until {
+            Some(Finish::Solved)
+        } else {
+            (self.state.env_steps >= env_steps).then_some(Finish::StepsSpent)
+        }
+    }
+
+    /// Trains until the run is at its end, or until `stop` is set.
+    ///
+    /// With a `folder`, a checkpoint and the policy are written there before the first step, at
+    /// every evaluation, and when stopped; stopping waits for the end of the episode.
+    pub fn run(
+        &mut self,
+        folder: Option<&Path>,
+        observer: &mut dyn Observer,
+        stop: &AtomicBool,
+    ) -> Result<Finish, TrainError> {
+        if self.state.episodes == 0 {
+            self.save_to(folder, observer)?;
+        }
+        loop {
+            if let Some(finish) = self.finished() {
+                return Ok(finish);
+            }
+            if stop.load(Ordering::Relaxed) {
+                self.save_to(folder, observer)?;
+                return Ok(Finish::Stopped);
+            }
+            let started = Instant::now();
+            let episodes = self.explore()?;
+            self.learn(episodes)?;
+            let due = self.evaluation_is_due(episodes);
+            let evaluation = due.then(|| self.evaluate()).transpose()?;
+            self.state.wall_s += started.elapsed().as_secs_f64();
+            observer.on(&Event::Progress(self.progress()))?;
+            if let Some(evaluation) = evaluation {
+                self.record(&evaluation, observer)?;
+                self.save_to(folder, observer)?;
+            }
+        }
+    }
+
+    /// Plays one episode in every environment, and stores them.
+    fn explore(&mut self) -> Result<u64, TrainError> {
+        let started = Instant::now();
+        let RunState { config, about, curriculum, episodes, .. } = &self.state;
+        let seed = Seed(config.seed);
+        let count = config.envs;
+        let guide = Guide::new(config, about.subtasks, curriculum);
+        let policy = &self.policy;
+        let envs = &mut self.envs[..count];
+        let played = self.pool.install(|| {
+            envs.par_iter_mut()
+                .enumerate()
+                .map(|(index, env)| {
+                    let episode = episodes + index as u64;
+                    explore_once(env, policy, &guide, seed, episode)
+                        .map_err(|source| TrainError::Rollout { episode, source })
+                })
+                .collect::<Result<Vec<_>, _>>()
+        })?;
+        let spec = self.envs[0].spec();
+        let tolerances = spec.tolerances;
+        self.state.env_steps += (count * spec.episode_steps) as u64;
+        for (episode, actors) in played {
+            self.state.tally.episode(&episode, actors, about_last(&self.state.about), &tolerances);
+            let mut rng = seed.stream(Purpose::Statistics, self.state.episodes);
+            let encoder = &mut self.state.encoder;
+            self.relabeler.observe(&episode, &self.stages, encoder, &mut rng);
+            self.replay.push(&episode);
+            self.state.episodes += 1;
+        }
+        self.state.seconds.rollout += started.elapsed().as_secs_f64();
+        Ok(count as u64)
+    }
+
+    /// Makes the updates that belong to the last `episodes` episodes.
+    fn learn(&mut self, episodes: u64) -> Result<(), TrainError> {
+        let TrainConfig { seed, replay, agent, .. } = &self.state.config;
+        let (seed, rounds) = (*seed, replay.updates_per_episode as u64 * episodes);
+        let AgentConfig { target_noise, target_every, .. } = *agent;
+        if self.state.episodes <= replay.warmup_episodes {
+            return Ok(());
+        }
+        for _ in 0..rounds {
+            for SubtaskBatch { stages, batch } in &mut self.batches {
+                let drawing = Instant::now();
+                let update = self.state.updates;
+                let mut rng = Seed(seed).stream(Purpose::Batch, update);
+                let rows = batch.rows() / stages.len();
+                for (index, stage) in stages.iter().enumerate() {
+                    let rewarded = self.relabeler.draw(
+                        &self.replay,
+                        &self.state.encoder,
+                        *stage,
+                        batch,
+                        index * rows..(index + 1) * rows,
+                        &mut rng,
+                    );
+                    self.state.tally.batch(*stage, rewarded, rows);
+                }
+                let noise = &mut self.noise[..batch.rows() * batch.action];
+                if target_noise > 0.0 {
+                    noise.fill_with(|| rng.sample(StandardNormal));
+                }
+                let updating = Instant::now();
+                let losses = self.engine.update(batch, noise);
+                self.state.updates += 1;
+                self.state.tally.update(&losses);
+                self.state.seconds.relabel += (updating - drawing).as_secs_f64();
+                self.state.seconds.update += updating.elapsed().as_secs_f64();
+                if !losses.is_finite() {
+                    return Err(TrainError::NotFinite { update, seed, losses });
+                }
+            }
+        }
+        if target_every == TargetEvery::Episode {
+            self.engine.move_targets();
+        }
+        self.policy = Policy::new(
+            self.state.about.clone(),
+            self.state.encoder.clone(),
+            self.actor_shape.clone(),
+            self.engine.actor().to_vec(),
+        );
+        Ok(())
+    }
+
+    fn evaluation_is_due(&self, episodes: u64) -> bool {
+        let RunState { config, env_steps, episodes: now, .. } = &self.state;
+        let every = config.evaluation.every_episodes;
+        now / every > (now - episodes) / every || *env_steps >= config.env_steps
+    }
+
+    fn evaluate(&mut self) -> Result<Evaluation, TrainError> {
+        let started = Instant::now();
+        let TrainConfig { evaluation, exploration, relay, .. } = &self.state.config;
+        let with_subtasks = relay.method == Method::Rher;
+        let (envs, policy) = (&mut self.envs, &self.policy);
+        let evaluation = self
+            .pool
+            .install(|| evaluate(envs, policy, evaluation, exploration.test_policy, with_subtasks))
+            .map_err(|source| TrainError::Evaluate { episode: self.state.episodes, source })?;
+        self.state.seconds.evaluate += started.elapsed().as_secs_f64();
+        Ok(evaluation)
+    }
+
+    /// Tells the curriculum and the observer what an evaluation found.
+    fn record(
+        &mut self,
+        evaluation: &Evaluation,
+        observer: &mut dyn Observer,
+    ) -> Result<(), TrainError> {
+        let state = &mut self.state;
+        state.curriculum.record(&evaluation.success);
+        state.last_success = [state.last_success[1], evaluation.success_final];
+        state.evaluations += 1;
+        let metrics = state.tally.metrics(state, evaluation);
+        state.tally.clear();
+        observer.on(&Event::Evaluated(Box::new(metrics)))?;
+        Ok(())
+    }
+
+    fn save_to(
+        &mut self,
+        folder: Option<&Path>,
+        observer: &mut dyn Observer,
+    ) -> Result<(), TrainError> {
+        if let Some(folder) = folder {
+            self.save(folder)?;
+            observer.on(&Event::Saved)?;
+        }
+        Ok(())
+    }
+
+    /// Writes a checkpoint of the whole run, and the policy, into its folder.
+    pub fn save(&mut self, folder: &Path) -> Result<(), TrainError> {
+        let started = Instant::now();
+        let learner = self.engine.state();
+        checkpoint::write(folder, &self.state, &learner, &self.replay, self.saved_episodes)?;
+        let policy = folder.join(checkpoint::POLICY_FILE);
+        self.policy.save(&policy).map_err(CheckpointError::from)?;
+        self.saved_episodes = self.replay.pushed();
+        self.state.seconds.save += started.elapsed().as_secs_f64();
+        Ok(())
+    }
+}
+
+fn first<'a, const N: usize, E: Env<N>>(
+    envs: &'a [E],
+    config: &TrainConfig,
+) -> Result<&'a E, TrainError> {
+    let (given, expected) = (envs.len(), config.envs);
+    match envs.first() {
+        Some(env) if given >= expected => Ok(env),
+        _ => Err(TrainError::TooFewEnvs { given, expected }),
+    }
+}
+
+fn about_last<const N: usize>(about: &About) -> Stage<N> {
+    Stage::from_index(about.subtasks - 1).unwrap_or(Stage::FIRST)
+}
+
+/// Plays one episode as eq. 10 has it, and counts who acted.
+fn explore_once<const N: usize>(
+    env: &mut impl Env<N>,
+    policy: &Policy,
+    guide: &Guide<N>,
+    seed: Seed,
+    episode: u64,
+) -> Result<(Episode<N>, Actors), RolloutError> {
+    let tolerances = env.spec().tolerances;
+    let reach_distance = policy.about().reach_distance;
+    let mut rng = seed.stream(Purpose::Exploration, episode);
+    let mut actor = policy.actor();
+    let mut actors = Actors::default();
+    let env_seed = seed.episode(Purpose::Environment, episode);
+    let episode = rollout(env, env_seed, |view, action| {
+        let stage = Stage::of(view.achieved, view.desired, &tolerances, reach_distance);
+        let choice = guide.draw(stage, &mut rng);
+        actors.count(choice);
+        match choice {
+            Choice::Random => action.fill_with(|| rng.random_range(-1.0..=1.0)),
+            Choice::Guide(stage) | Choice::Learner(stage) => {
+                actor.act(stage, view.observation, view.achieved, view.desired, action);
+                let deviation = guide.noise(stage);
+                for action in action {
+                    let draw: f32 = rng.sample(StandardNormal);
+                    *action = (*action + deviation * draw).clamp(-1.0, 1.0);
+                }
+            }
+        }
+    })?;
+    Ok((episode, actors))
+}

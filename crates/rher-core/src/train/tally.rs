@@ -1,0 +1,168 @@
+//! Sums over the training between two evaluations.
+
+use super::RunState;
+use crate::agent::learner::Losses;
+use crate::episode::Episode;
+use crate::evaluate::Evaluation;
+use crate::event::{Acted, Metrics};
+use crate::explore::Choice;
+use crate::goal::{EncodedGoal, Stage, Tolerances};
+use serde::{Deserialize, Serialize};
+
+/// An object that went further than this from where it started was moved, in metres.
+const MOVED: f32 = 0.01;
+
+/// Sums over the training between two evaluations.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Tally {
+    episodes: u64,
+    successes: u64,
+    actors: Actors,
+    moved: Vec<u64>,
+    batches: Vec<u64>,
+    single_reward: Vec<u64>,
+    critic_updates: u64,
+    actor_updates: u64,
+    critic_loss: f64,
+    actor_loss: f64,
+    q_mean: f64,
+    q_min: f32,
+    q_max: f32,
+    critic_gradient: f64,
+    actor_gradient: f64,
+}
+
+/// How many actions each kind of actor chose.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) struct Actors {
+    guide: u64,
+    learner: u64,
+    random: u64,
+}
+
+impl Actors {
+    pub(super) fn count<const N: usize>(&mut self, choice: Choice<N>) {
+        match choice {
+            Choice::Guide(_) => self.guide += 1,
+            Choice::Learner(_) => self.learner += 1,
+            Choice::Random => self.random += 1,
+        }
+    }
+}
+
+impl Tally {
+    pub(super) fn new(subtasks: usize, objects: usize) -> Self {
+        Self {
+            episodes: 0,
+            successes: 0,
+            actors: Actors::default(),
+            moved: vec![0; objects],
+            batches: vec![0; subtasks],
+            single_reward: vec![0; subtasks],
+            critic_updates: 0,
+            actor_updates: 0,
+            critic_loss: 0.0,
+            actor_loss: 0.0,
+            q_mean: 0.0,
+            q_min: f32::MAX,
+            q_max: f32::MIN,
+            critic_gradient: 0.0,
+            actor_gradient: 0.0,
+        }
+    }
+
+    pub(super) fn clear(&mut self) {
+        *self = Self::new(self.batches.len(), self.moved.len());
+    }
+
+    pub(super) fn episode<const N: usize>(
+        &mut self,
+        episode: &Episode<N>,
+        actors: Actors,
+        last: Stage<N>,
+        tolerances: &Tolerances<N>,
+    ) {
+        let Episode { desired, achieved, .. } = episode;
+        let end = &achieved[achieved.len() - 1];
+        let met = EncodedGoal::new(last, end, desired).is_met(end, tolerances);
+        self.episodes += 1;
+        self.successes += u64::from(met);
+        self.actors.guide += actors.guide;
+        self.actors.learner += actors.learner;
+        self.actors.random += actors.random;
+        for (object, moved) in self.moved.iter_mut().enumerate() {
+            let start = achieved[0].0.objects[object];
+            let far = |at: &crate::goal::Achieved<N>| {
+                nalgebra::distance(&start, &at.0.objects[object]) > MOVED
+            };
+            *moved += u64::from(achieved.iter().any(far));
+        }
+    }
+
+    pub(super) fn batch<const N: usize>(&mut self, stage: Stage<N>, rewarded: usize, rows: usize) {
+        self.batches[stage.index()] += 1;
+        self.single_reward[stage.index()] += u64::from(rewarded == 0 || rewarded == rows);
+    }
+
+    pub(super) fn update(&mut self, losses: &Losses) {
+        self.critic_updates += 1;
+        self.critic_loss += f64::from(losses.critic);
+        self.critic_gradient += f64::from(losses.critic_gradient);
+        self.q_mean += f64::from(losses.q_mean);
+        self.q_min = self.q_min.min(losses.q_min);
+        self.q_max = self.q_max.max(losses.q_max);
+        if let (Some(loss), Some(gradient)) = (losses.actor, losses.actor_gradient) {
+            self.actor_updates += 1;
+            self.actor_loss += f64::from(loss);
+            self.actor_gradient += f64::from(gradient);
+        }
+    }
+
+    /// The line of metrics for an evaluation at this point of the run.
+    pub(super) fn metrics(&self, state: &RunState, evaluation: &Evaluation) -> Metrics {
+        let Actors { guide, learner, random } = self.actors;
+        let steps = guide + learner + random;
+        let critic = |sum: f64| mean(sum, self.critic_updates);
+        let actor = |sum: f64| mean(sum, self.actor_updates);
+        let trained = self.critic_updates > 0;
+        Metrics {
+            env_steps: state.env_steps,
+            episodes: state.episodes,
+            updates: state.updates,
+            wall_s: state.wall_s,
+            success: evaluation.success.clone(),
+            success_final: evaluation.success_final,
+            guide: state.curriculum.guide() + 1,
+            final_distance: evaluation.final_distance,
+            train_success: share(self.successes, self.episodes),
+            acted: Acted {
+                guide: share(guide, steps),
+                learner: share(learner, steps),
+                random: share(random, steps),
+            },
+            moved: self.moved.iter().map(|&moved| share(moved, self.episodes)).collect(),
+            single_reward: self
+                .single_reward
+                .iter()
+                .zip(&self.batches)
+                .map(|(&single, &batches)| (batches > 0).then(|| share(single, batches)))
+                .collect(),
+            critic_loss: critic(self.critic_loss),
+            actor_loss: actor(self.actor_loss),
+            q_mean: critic(self.q_mean),
+            q_min: if trained { self.q_min } else { 0.0 },
+            q_max: if trained { self.q_max } else { 0.0 },
+            critic_gradient: critic(self.critic_gradient),
+            actor_gradient: actor(self.actor_gradient),
+            time: state.seconds,
+        }
+    }
+}
+
+fn mean(sum: f64, count: u64) -> f32 {
+    if count == 0 { 0.0 } else { (sum / count as f64) as f32 }
+}
+
+fn share(part: u64, whole: u64) -> f32 {
+    mean(part as f64, whole)
+}

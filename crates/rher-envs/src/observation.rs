@@ -1,0 +1,149 @@
+//! The layout of observations, written once for their numbers, their width and their mirror image.
+
+use crate::sim::{Grip, Motion, STEP_SECONDS};
+use nalgebra::{UnitQuaternion, Vector3};
+use rher_core::env::Reflection;
+use rher_core::goal::Position;
+
+/// Receives an observation, part by part, in the order of its numbers.
+pub trait Sink {
+    /// A point in the world frame, in metres.
+    fn position(&mut self, position: Position);
+
+    /// A difference of points, or a velocity.
+    fn vector(&mut self, vector: Vector3<f32>);
+
+    /// Angles or an angular velocity: their mirror image turns the other way.
+    fn turn(&mut self, turn: Vector3<f32>);
+
+    /// One number for each finger.
+    fn fingers(&mut self, fingers: [f32; 2]);
+}
+
+/// Writes the 25 numbers of FetchPush, FetchPickAndPlace and FetchSlide.
+///
+/// Gripper (3), object (3), object − gripper (3), finger openings (2), Euler angles of the object
+/// (3), its velocity relative to the gripper's (3), its angular velocity (3), the gripper's
+/// velocity (3), the fingers' (2). Metres and radians; velocities are per environment step.
+pub(crate) fn gripper_and_object(grip: &Grip, object: &Motion, out: &mut impl Sink) {
+    out.position(grip.position);
+    out.position(object.position);
+    out.vector(object.position - grip.position);
+    out.fingers(grip.opening);
+    out.turn(euler_angles(&object.rotation));
+    out.vector((object.velocity - grip.velocity) * STEP_SECONDS);
+    out.turn(object.spin * STEP_SECONDS);
+    out.vector(grip.velocity * STEP_SECONDS);
+    out.fingers(grip.opening_velocity.map(|v| v * STEP_SECONDS));
+}
+
+/// Writes the 10 numbers of FetchReach: gripper (3), finger openings (2), the gripper's velocity
+/// (3), the fingers' (2).
+pub(crate) fn gripper_alone(grip: &Grip, out: &mut impl Sink) {
+    out.position(grip.position);
+    out.fingers(grip.opening);
+    out.vector(grip.velocity * STEP_SECONDS);
+    out.fingers(grip.opening_velocity.map(|v| v * STEP_SECONDS));
+}
+
+/// Rotations about x, y and z, each about the axes as turned by those before it, in radians: the
+/// convention of Gymnasium-Robotics.
+fn euler_angles(rotation: &UnitQuaternion<f32>) -> Vector3<f32> {
+    let m = rotation.to_rotation_matrix();
+    let cos_pitch = m[(2, 2)].hypot(m[(1, 2)]);
+    let pitch = m[(0, 2)].atan2(cos_pitch);
+    if cos_pitch > 4.0 * f32::EPSILON {
+        let roll = (-m[(1, 2)]).atan2(m[(2, 2)]);
+        let yaw = (-m[(0, 1)]).atan2(m[(0, 0)]);
+        Vector3::new(roll, pitch, yaw)
+    } else {
+        Vector3::new(0.0, pitch, m[(1, 0)].atan2(m[(1, 1)]))
+    }
+}
+
+/// A [`Sink`] that fills a buffer.
+pub(crate) struct Numbers<'a> {
+    buffer: &'a mut [f32],
+    written: usize,
+}
+
+impl<'a> Numbers<'a> {
+    /// Fills `buffer` from its beginning.
+    pub(crate) fn new(buffer: &'a mut [f32]) -> Self {
+        Self { buffer, written: 0 }
+    }
+
+    fn write(&mut self, numbers: &[f32]) {
+        let end = self.written + numbers.len();
+        self.buffer[self.written..end].copy_from_slice(numbers);
+        self.written = end;
+    }
+}
+
+impl Sink for Numbers<'_> {
+    fn position(&mut self, position: Position) {
+        self.write(position.coords.as_slice());
+    }
+
+    fn vector(&mut self, vector: Vector3<f32>) {
+        self.write(vector.as_slice());
+    }
+
+    fn turn(&mut self, turn: Vector3<f32>) {
+        self.write(turn.as_slice());
+    }
+
+    fn fingers(&mut self, fingers: [f32; 2]) {
+        self.write(&fingers);
+    }
+}
+
+/// A [`Sink`] that learns how each number is mirrored at a plane of constant y.
+pub(crate) struct Reflections {
+    reflections: Vec<Reflection>,
+    plane: f32,
+}
+
+impl Reflections {
+    /// For the plane `y = plane`, in metres.
+    pub(crate) fn new(plane: f32) -> Self {
+        Self { reflections: Vec::new(), plane }
+    }
+
+    /// One entry for each number of the observation.
+    pub(crate) fn into_vec(self) -> Vec<Reflection> {
+        self.reflections
+    }
+
+    fn add(&mut self, signs: [f32; 3], offset_y: f32) {
+        let from = self.reflections.len();
+        let offsets = [0.0, offset_y, 0.0];
+        self.reflections.extend(
+            (from..).zip(signs.into_iter().zip(offsets)).map(|(from, (sign, offset))| Reflection {
+                from,
+                sign,
+                offset,
+            }),
+        );
+    }
+}
+
+impl Sink for Reflections {
+    fn position(&mut self, _: Position) {
+        self.add([1.0, -1.0, 1.0], 2.0 * self.plane);
+    }
+
+    fn vector(&mut self, _: Vector3<f32>) {
+        self.add([1.0, -1.0, 1.0], 0.0);
+    }
+
+    fn turn(&mut self, _: Vector3<f32>) {
+        self.add([-1.0, 1.0, -1.0], 0.0);
+    }
+
+    fn fingers(&mut self, _: [f32; 2]) {
+        let first = self.reflections.len();
+        let swapped = [first + 1, first];
+        self.reflections.extend(swapped.map(|from| Reflection { from, sign: 1.0, offset: 0.0 }));
+    }
+}

@@ -1,0 +1,304 @@
+//! The gripper: two fingers that an arm moves about without turning them.
+//!
+//! The Fetch environments drag the whole arm behind a point by a soft weld, and the hand answers
+//! like a critically damped spring. Here a [`Lead`] is that spring, and the fingers are driven
+//! after it by a force with an upper limit, so that whatever is in the way stays in one piece.
+
+use super::scenery::with_friction;
+use super::{nalgebra, point};
+use ::nalgebra::Vector3;
+use rapier3d::prelude::{
+    ColliderBuilder, ColliderSet, ImpulseJointHandle, ImpulseJointSet, JointAxis, MotorModel,
+    PrismaticJointBuilder, RigidBody, RigidBodyBuilder, RigidBodyHandle, RigidBodySet, Vector,
+};
+use rher_core::goal::Position;
+
+/// Half the edges of a finger, in metres: thick, wide along the closing axis y, long.
+const FINGER_HALF: Vector = Vector::new(0.0135, 0.007, 0.0385);
+
+/// Kilograms.
+const FINGER_MASS: f32 = 1.0;
+
+/// From the middle of the gripper to a closed finger's centre, along y, in metres.
+const FINGER_OFFSET: f32 = 0.0079;
+
+/// From the grip centre up to the fingers' centre, in metres.
+const FINGER_HEIGHT: f32 = 0.02;
+
+/// How far a finger opens, in metres.
+const FINGER_RANGE: f32 = 0.05;
+
+/// How far an action of 1 moves the point that the hand is after, in metres.
+const REACH_PER_STEP: f32 = 0.05;
+
+/// Angular frequency of the hand's answer, in radians per second.
+const HAND_FREQUENCY: f32 = 51.5;
+
+/// Stiffness with which the hand follows its lead, per second squared.
+const HAND_STIFFNESS: f32 = 6000.0;
+
+/// Damping with which the hand follows its lead, per second.
+const HAND_DAMPING: f32 = 155.0;
+
+/// The most that the arm pushes each finger, in newtons.
+const HAND_FORCE: f32 = 150.0;
+
+/// How far the lead is ahead of the hand at most when a step begins, in metres.
+///
+/// It carries the load of what is held: without it the hand would sink a little each step.
+const HAND_SLACK: f32 = 0.004;
+
+/// Stiffness of the fingers' actuators, in newtons per metre.
+const ACTUATOR_STIFFNESS: f32 = 30_000.0;
+
+/// The most an actuator can be asked to open a finger, in metres.
+const ACTUATOR_RANGE: f32 = 0.2;
+
+/// Square of the angular frequency with which an actuator moves its finger: stiffness over
+/// armature and mass.
+const ACTUATOR_FREQUENCY_SQUARED: f32 = ACTUATOR_STIFFNESS / 104.0;
+
+/// Damping over armature and mass, per second.
+const ACTUATOR_DAMPING: f32 = 1000.0 / 104.0;
+
+/// The most that a finger squeezes, in newtons.
+const GRIP_FORCE: f32 = 150.0;
+
+/// Damping of the joint between the fingers, in newton seconds per metre.
+const GRIP_DAMPING: f32 = 400.0;
+
+/// What the fingers can do.
+#[derive(Clone, Copy)]
+pub(crate) enum Fingers {
+    /// They stay closed, as one box.
+    Locked,
+    /// They open and close.
+    Free,
+}
+
+/// The gripper at one moment, in the world frame.
+#[derive(Clone, Copy)]
+pub(crate) struct Grip {
+    /// Grip centre, in metres.
+    pub(crate) position: Position,
+    /// Metres per second.
+    pub(crate) velocity: Vector3<f32>,
+    /// How far each finger is open, that on the side of +y first, in metres.
+    pub(crate) opening: [f32; 2],
+    /// Metres per second.
+    pub(crate) opening_velocity: [f32; 2],
+}
+
+/// The bodies of the gripper and the state of what drives them.
+#[derive(Clone)]
+pub(super) struct Gripper {
+    hand: Hand,
+    lead: Lead,
+    opening: Opening,
+}
+
+/// The bodies that make up the gripper.
+#[derive(Clone, Copy)]
+enum Hand {
+    Closed(RigidBodyHandle),
+    /// The finger on the side of +y, the other, and the joint between them.
+    Fingers([RigidBodyHandle; 2], ImpulseJointHandle),
+}
+
+/// Where the arm would have brought an unloaded hand.
+#[derive(Clone, Copy)]
+struct Lead {
+    position: Vector,
+    velocity: Vector,
+    target: Vector,
+}
+
+/// How far the actuators would have opened unloaded fingers.
+#[derive(Clone, Copy)]
+struct Opening {
+    position: f32,
+    velocity: f32,
+    target: f32,
+}
+
+impl Gripper {
+    /// Fingers closed, grip centre at `home`.
+    pub(super) fn new(
+        fingers: Fingers,
+        home: Vector,
+        bodies: &mut RigidBodySet,
+        colliders: &mut ColliderSet,
+        joints: &mut ImpulseJointSet,
+    ) -> Self {
+        let centre = home + Vector::Z * FINGER_HEIGHT;
+        let mut add = |y: f32, half: Vector, mass: f32| {
+            let body = RigidBodyBuilder::dynamic()
+                .translation(centre + Vector::Y * y)
+                .lock_rotations()
+                .gravity_scale(0.0)
+                .can_sleep(false);
+            let body = bodies.insert(body);
+            let shape = with_friction(ColliderBuilder::cuboid(half.x, half.y, half.z)).mass(mass);
+            colliders.insert_with_parent(shape, body, bodies);
+            body
+        };
+        let hand = match fingers {
+            Fingers::Locked => {
+                let half = Vector::new(FINGER_HALF.x, FINGER_OFFSET + FINGER_HALF.y, FINGER_HALF.z);
+                Hand::Closed(add(0.0, half, 2.0 * FINGER_MASS))
+            }
+            Fingers::Free => {
+                let fingers =
+                    [FINGER_OFFSET, -FINGER_OFFSET].map(|y| add(y, FINGER_HALF, FINGER_MASS));
+                let joint = PrismaticJointBuilder::new(Vector::Y)
+                    .local_anchor1(Vector::Y * (2.0 * FINGER_OFFSET))
+                    .limits([0.0, 2.0 * FINGER_RANGE])
+                    .motor_model(MotorModel::ForceBased)
+                    .set_motor(0.0, 0.0, ACTUATOR_STIFFNESS / 2.0, GRIP_DAMPING)
+                    .motor_max_force(GRIP_FORCE)
+                    .contacts_enabled(false);
+                Hand::Fingers(fingers, joints.insert(fingers[1], fingers[0], joint, true))
+            }
+        };
+        Self {
+            hand,
+            lead: Lead { position: centre, velocity: Vector::ZERO, target: centre },
+            opening: Opening { position: 0.0, velocity: 0.0, target: 0.0 },
+        }
+    }
+
+    /// Turns an action into targets for the rest of the step.
+    pub(super) fn aim(&mut self, action: [f32; 4], bodies: &RigidBodySet) {
+        let [x, y, z, opening] = action;
+        let (position, velocity) = self.hand.centre(bodies);
+        self.lead.aim(Vector::new(x, y, z) * REACH_PER_STEP, position, velocity);
+        if let Hand::Fingers(fingers, _) = self.hand {
+            self.opening.aim(opening, gap(fingers, bodies).0);
+        }
+    }
+
+    /// Sets the forces for the next `seconds`.
+    pub(super) fn drive(
+        &mut self,
+        bodies: &mut RigidBodySet,
+        joints: &mut ImpulseJointSet,
+        seconds: f32,
+    ) {
+        let (position, velocity) = self.hand.centre(bodies);
+        let acceleration = self.lead.advance(seconds);
+        // Implicit: what brings the hand to its lead by the end of this time, not what would
+        // have been right at its beginning.
+        let behind = self.lead.position - (position + velocity * seconds);
+        let slower = self.lead.velocity - velocity;
+        let wanted = (acceleration + behind * HAND_STIFFNESS + slower * HAND_DAMPING)
+            / (1.0 + HAND_DAMPING * seconds + HAND_STIFFNESS * seconds * seconds);
+        let force = (wanted * FINGER_MASS).clamp_length_max(HAND_FORCE);
+        match self.hand {
+            Hand::Closed(body) => push(&mut bodies[body], force * 2.0),
+            Hand::Fingers(fingers, joint) => {
+                for finger in fingers {
+                    push(&mut bodies[finger], force);
+                }
+                if self.opening.advance(seconds)
+                    && let Some(joint) = joints.get_mut(joint, false)
+                {
+                    joint.data.set_motor(
+                        JointAxis::LinX,
+                        2.0 * self.opening.position,
+                        2.0 * self.opening.velocity,
+                        ACTUATOR_STIFFNESS / 2.0,
+                        GRIP_DAMPING,
+                    );
+                }
+            }
+        }
+    }
+
+    /// The gripper now.
+    pub(super) fn grip(&self, bodies: &RigidBodySet) -> Grip {
+        let (centre, velocity) = self.hand.centre(bodies);
+        let (opening, opening_velocity) = match self.hand {
+            Hand::Closed(_) => (0.0, 0.0),
+            Hand::Fingers(fingers, _) => gap(fingers, bodies),
+        };
+        Grip {
+            position: point(centre - Vector::Z * FINGER_HEIGHT),
+            velocity: nalgebra(velocity),
+            opening: [opening; 2],
+            opening_velocity: [opening_velocity; 2],
+        }
+    }
+}
+
+impl Hand {
+    /// Position and velocity of the fingers' common centre.
+    fn centre(self, bodies: &RigidBodySet) -> (Vector, Vector) {
+        match self {
+            Self::Closed(body) => (bodies[body].translation(), bodies[body].linvel()),
+            Self::Fingers([a, b], _) => {
+                let (a, b) = (&bodies[a], &bodies[b]);
+                ((a.translation() + b.translation()) / 2.0, (a.linvel() + b.linvel()) / 2.0)
+            }
+        }
+    }
+}
+
+/// How far each finger is open and how fast it opens.
+fn gap([a, b]: [RigidBodyHandle; 2], bodies: &RigidBodySet) -> (f32, f32) {
+    let (a, b) = (&bodies[a], &bodies[b]);
+    let opening = (a.translation() - b.translation()).y / 2.0 - FINGER_OFFSET;
+    (opening, (a.linvel() - b.linvel()).y / 2.0)
+}
+
+/// Replaces the force on a body.
+fn push(body: &mut RigidBody, force: Vector) {
+    body.reset_forces(false);
+    body.add_force(force, false);
+}
+
+impl Lead {
+    /// Starts a step towards `offset` from where the hand really is.
+    fn aim(&mut self, offset: Vector, position: Vector, velocity: Vector) {
+        let ahead =
+            (self.position - position).clamp(-Vector::splat(HAND_SLACK), Vector::splat(HAND_SLACK));
+        self.position = position + ahead;
+        self.velocity = velocity;
+        self.target = self.position + offset;
+    }
+
+    /// Moves on and returns the mean acceleration.
+    fn advance(&mut self, seconds: f32) -> Vector {
+        let before = self.velocity;
+        let decay = (-HAND_FREQUENCY * seconds).exp();
+        let from_target = self.position - self.target;
+        let drift = self.velocity + from_target * HAND_FREQUENCY;
+        self.position = self.target + (from_target + drift * seconds) * decay;
+        self.velocity = (self.velocity - drift * (HAND_FREQUENCY * seconds)) * decay;
+        (self.velocity - before) / seconds
+    }
+}
+
+impl Opening {
+    /// Starts a step; `action` is what the actuators add to how far the fingers really are open.
+    fn aim(&mut self, action: f32, opening: f32) {
+        let slack = GRIP_FORCE / ACTUATOR_STIFFNESS;
+        let position = self.position.clamp(opening - slack, opening + slack);
+        if position.to_bits() != self.position.to_bits() {
+            *self = Self { position, velocity: 0.0, ..*self };
+        }
+        self.target = (opening + action).clamp(0.0, ACTUATOR_RANGE);
+    }
+
+    /// Moves on; `false` if nothing changed.
+    fn advance(&mut self, seconds: f32) -> bool {
+        let before = self.position;
+        let pull = ACTUATOR_FREQUENCY_SQUARED * (self.target - self.position);
+        self.velocity += seconds * (pull - ACTUATOR_DAMPING * self.velocity);
+        self.position += seconds * self.velocity;
+        if !(0.0..=FINGER_RANGE).contains(&self.position) {
+            self.position = self.position.clamp(0.0, FINGER_RANGE);
+            self.velocity = 0.0;
+        }
+        self.position.to_bits() != before.to_bits()
+    }
+}

@@ -1,0 +1,208 @@
+//! From a [`Scenario`] to an environment.
+
+use crate::observation::{Numbers, Reflections, Sink};
+use crate::sim::{self, World};
+use rand::SeedableRng as _;
+use rand_chacha::ChaCha8Rng;
+use rher_core::env::{Env, EnvError, EnvSpec, Mirror, Reflection, Start};
+use rher_core::goal::{Achieved, Desired, Position, Scene, Tolerances};
+
+/// Numbers in an action: the hand's displacement along x, y and z, then the fingers' opening.
+pub const ACTION_WIDTH: usize = 4;
+
+/// The plane y = 0.7491 m through the Fetch robot and its table.
+pub(crate) const MIDDLE: f32 = 0.7491;
+
+/// What makes one task differ from another.
+pub trait Scenario<const N: usize>: Sized + Send + 'static {
+    /// Name of the task.
+    const NAME: &'static str;
+
+    /// Steps of every episode.
+    const EPISODE_STEPS: usize = 50;
+
+    /// How many sub-tasks there are to learn.
+    const SUBTASKS: usize = 2 * N;
+
+    /// How near counts as there, in metres.
+    const TOLERANCE: f32 = 0.05;
+
+    /// Sets the scene.
+    fn build() -> (Self, World);
+
+    /// Draws the beginning of an episode.
+    fn draw(rng: &mut ChaCha8Rng) -> Layout<N>;
+
+    /// Puts the objects of a fresh world in their places.
+    fn place(&self, layout: &Layout<N>, world: &mut World);
+
+    /// Where the objects are now.
+    fn objects(&self, layout: &Layout<N>, world: &World) -> [Position; N];
+
+    /// Says what the agent sees.
+    fn observe(&self, layout: &Layout<N>, world: &World, out: &mut impl Sink);
+}
+
+/// Where an episode begins and what it asks for; positions are centres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Layout<const N: usize> {
+    /// Where each object starts.
+    pub objects: [Position; N],
+    /// Where each object should go.
+    pub targets: [Position; N],
+}
+
+/// An environment whose whole state can be chosen, kept and returned to.
+pub trait Simulated<const N: usize>: Env<N> + 'static {
+    /// Everything that an episode's future depends on, besides its actions.
+    type State: Clone + Send + 'static;
+
+    /// Starts an episode from a chosen layout and writes its first observation.
+    fn arrange(&mut self, layout: Layout<N>, observation: &mut [f32])
+    -> Result<Start<N>, EnvError>;
+
+    /// The state now.
+    fn state(&self) -> Self::State;
+
+    /// Goes on from a state, bitwise as the environment did that it was taken from.
+    fn restore(&mut self, state: &Self::State);
+}
+
+/// A [`Scenario`] in a world of its own.
+pub struct Simulation<S, const N: usize> {
+    spec: EnvSpec<N>,
+    scenario: S,
+    world: World,
+    layout: Layout<N>,
+}
+
+/// The state of a [`Simulation`].
+#[derive(Clone)]
+pub struct State<const N: usize> {
+    world: sim::State,
+    layout: Layout<N>,
+}
+
+impl<S: Scenario<N>, const N: usize> Simulation<S, N> {
+    /// Sets the scene, as if episode 0 had been reset.
+    #[must_use]
+    pub fn new() -> Self {
+        let (scenario, mut world) = S::build();
+        let layout = draw::<S, N>(0);
+        scenario.place(&layout, &mut world);
+
+        let mut reflections = Reflections::new(MIDDLE);
+        scenario.observe(&layout, &world, &mut reflections);
+        let observation = reflections.into_vec();
+        let spec = EnvSpec {
+            name: S::NAME.to_owned(),
+            observation: observation.len(),
+            action: ACTION_WIDTH,
+            episode_steps: S::EPISODE_STEPS,
+            subtasks: S::SUBTASKS,
+            tolerances: Tolerances::uniform(S::TOLERANCE),
+            mirror: Some(Mirror {
+                axis: 1,
+                centre: MIDDLE,
+                observation,
+                action: mirrored_action(),
+            }),
+        };
+        Self { spec, scenario, world, layout }
+    }
+
+    fn observe(&self, observation: &mut [f32]) -> Result<Achieved<N>, EnvError> {
+        check_width("observation", self.spec.observation, observation.len())?;
+        self.scenario.observe(&self.layout, &self.world, &mut Numbers::new(observation));
+        let gripper = self.world.grip().position;
+        Ok(Achieved(Scene { gripper, objects: self.scenario.objects(&self.layout, &self.world) }))
+    }
+}
+
+impl<S: Scenario<N>, const N: usize> Default for Simulation<S, N> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<S: Scenario<N>, const N: usize> Env<N> for Simulation<S, N> {
+    fn spec(&self) -> &EnvSpec<N> {
+        &self.spec
+    }
+
+    fn reset(&mut self, seed: u64, observation: &mut [f32]) -> Result<Start<N>, EnvError> {
+        self.arrange(draw::<S, N>(seed), observation)
+    }
+
+    fn step(&mut self, action: &[f32], observation: &mut [f32]) -> Result<Achieved<N>, EnvError> {
+        self.world.step(checked_action(action)?);
+        self.observe(observation)
+    }
+}
+
+impl<S: Scenario<N>, const N: usize> Simulated<N> for Simulation<S, N> {
+    type State = State<N>;
+
+    fn arrange(
+        &mut self,
+        layout: Layout<N>,
+        observation: &mut [f32],
+    ) -> Result<Start<N>, EnvError> {
+        self.layout = layout;
+        self.world.reset();
+        self.scenario.place(&layout, &mut self.world);
+        let achieved = self.observe(observation)?;
+        Ok(Start { achieved, desired: Desired::of_task(layout.targets) })
+    }
+
+    fn state(&self) -> State<N> {
+        State { world: self.world.state().clone(), layout: self.layout }
+    }
+
+    fn restore(&mut self, state: &State<N>) {
+        self.world.restore(&state.world);
+        self.layout = state.layout;
+    }
+}
+
+/// An action or a buffer does not fit.
+#[derive(Debug, thiserror::Error)]
+enum InputError {
+    #[error("{what} has {got} numbers, expected {expected}")]
+    Width { what: &'static str, expected: usize, got: usize },
+    #[error("number {index} of the action is {value}")]
+    NotFinite { index: usize, value: f32 },
+}
+
+fn draw<S: Scenario<N>, const N: usize>(seed: u64) -> Layout<N> {
+    S::draw(&mut ChaCha8Rng::seed_from_u64(seed))
+}
+
+/// Every number within [−1, 1].
+fn checked_action(action: &[f32]) -> Result<[f32; ACTION_WIDTH], EnvError> {
+    check_width("action", ACTION_WIDTH, action.len())?;
+    let mut checked = [0.0; ACTION_WIDTH];
+    for (index, (out, &value)) in checked.iter_mut().zip(action).enumerate() {
+        if value.is_nan() {
+            return Err(EnvError::new(InputError::NotFinite { index, value }));
+        }
+        *out = value.clamp(-1.0, 1.0);
+    }
+    Ok(checked)
+}
+
+fn check_width(what: &'static str, expected: usize, got: usize) -> Result<(), EnvError> {
+    if expected == got {
+        Ok(())
+    } else {
+        Err(EnvError::new(InputError::Width { what, expected, got }))
+    }
+}
+
+fn mirrored_action() -> Vec<Reflection> {
+    [1.0, -1.0, 1.0, 1.0]
+        .into_iter()
+        .enumerate()
+        .map(|(from, sign)| Reflection { from, sign, offset: 0.0 })
+        .collect()
+}

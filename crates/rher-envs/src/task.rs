@@ -1,0 +1,81 @@
+//! From a task's name, known at run time, to its environment, known at compile time.
+
+use crate::simulation::{Simulated, Simulation};
+use crate::tasks;
+use std::fmt;
+use std::str::FromStr;
+
+/// Work that is written once for every environment type.
+pub trait EnvVisitor {
+    /// What the work comes to.
+    type Output;
+
+    /// Does the work; `build` makes as many environments as it takes.
+    fn visit<const N: usize, E: Simulated<N>>(self, build: fn() -> E) -> Self::Output;
+}
+
+/// The list of tasks: variant, scenario, objects.
+macro_rules! tasks {
+    ($($(#[$doc:meta])* $task:ident: $scenario:ty, $objects:literal;)+) => {
+        /// The tasks, by name.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum Task {
+            $($(#[$doc])* $task,)+
+        }
+
+        impl Task {
+            /// Every task, the simplest first.
+            pub const ALL: &[Self] = &[$(Self::$task),+];
+
+            /// Name on the command line and in files.
+            pub const fn name(self) -> &'static str {
+                match self {
+                    $(Self::$task => <$scenario as crate::simulation::Scenario<$objects>>::NAME,)+
+                }
+            }
+
+            /// Hands the environment of this task to `visitor`.
+            pub fn visit<V: EnvVisitor>(self, visitor: V) -> V::Output {
+                match self {
+                    $(Self::$task => visitor.visit(Simulation::<$scenario, $objects>::new),)+
+                }
+            }
+        }
+    };
+}
+
+tasks! {
+    /// Bring the gripper to a place in the air.
+    Reach: tasks::Reach, 1;
+    /// Push a block to a place on the table.
+    Push: tasks::Push, 1;
+    /// Bring a block to a place on the table or above it.
+    Pick: tasks::Pick, 1;
+}
+
+impl fmt::Display for Task {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+impl FromStr for Task {
+    type Err = UnknownTask;
+
+    fn from_str(name: &str) -> Result<Self, UnknownTask> {
+        let known = Self::ALL.iter().find(|task| task.name() == name);
+        known.copied().ok_or_else(|| UnknownTask { name: name.to_owned() })
+    }
+}
+
+/// No task has this name.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("no task is called `{name}`; there are {}", known_names())]
+pub struct UnknownTask {
+    /// What was asked for.
+    pub name: String,
+}
+
+fn known_names() -> String {
+    Task::ALL.iter().map(|task| task.name()).collect::<Vec<_>>().join(", ")
+}
