@@ -2,7 +2,9 @@
 
 use crate::exit_code::Status;
 use crate::printer::Verbosity;
-use clap::builder::{PossibleValuesParser, RangedU64ValueParser, TypedValueParser as _, ValueParser};
+use clap::builder::{
+    PossibleValuesParser, RangedU64ValueParser, TypedValueParser as _, ValueParser,
+};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use rher_core::agent::config::EngineKind;
 use rher_core::config::{Method, Preset};
@@ -137,8 +139,8 @@ pub(crate) struct SettingsArgs {
     /// Step this many environments side by side between updates: part of the experiment
     ///
     /// 1 is the paper's single process, 19 its multi-process setting.
-    #[arg(long, value_name = "N")]
-    pub(crate) envs: Option<NonZeroUsize>,
+    #[arg(long, value_name = "N", value_parser = toml_integer(1))]
+    pub(crate) envs: Option<u64>,
 }
 
 #[derive(Debug, Args)]
@@ -288,9 +290,8 @@ impl FromStr for Assignment {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let (key, value) = text
-            .split_once('=')
-            .ok_or("expected KEY=VALUE, as in `--set agent.discount=0.98`")?;
+        let (key, value) =
+            text.split_once('=').ok_or("expected KEY=VALUE, as in `--set agent.discount=0.98`")?;
         Ok(Self { key: key.trim().to_owned(), value: toml_value(value.trim())? })
     }
 }

@@ -4,7 +4,6 @@ use crate::cli::{Assignment, SettingsArgs};
 use rher_core::config::{ConfigError, Method, Preset, TrainConfig, VERSION};
 use rher_envs::{EnvVisitor, Simulated, Task};
 use serde::Deserialize as _;
-use serde::de::IntoDeserializer as _;
 use std::collections::BTreeMap;
 use std::fmt;
 use std::io;
@@ -29,7 +28,7 @@ pub(crate) fn resolve(task: Task, args: &SettingsArgs) -> Result<TrainConfig, Se
     };
     let mut layers = Layers::new(preset.config(task.name(), task.visit(Objects)))?;
     if let (Preset::Fast, Some(recipe)) = (preset, recipe(task)) {
-        layers.set_all(ConfigFile::parse(Source::Recipe(task), recipe)?.entries)?;
+        layers.set_all(ConfigFile::parse(&Source::Recipe(task), recipe)?.entries)?;
     }
     if let Some(file) = file {
         layers.set_all(file.entries)?;
@@ -41,11 +40,11 @@ pub(crate) fn resolve(task: Task, args: &SettingsArgs) -> Result<TrainConfig, Se
         layers.set(Entry::new(key, value.clone(), Source::Set))?;
     }
     let options = [
-        ("relay.method", "--method", method.map(|name| method_value(name.into()))),
+        ("relay.method", "--method", method.map(|name| Method::from(name).name().into())),
         ("seed", "--seed", seed.map(|seed| Value::Integer(seed.cast_signed()))),
         ("env_steps", "--env-steps", env_steps.map(|steps| Value::Integer(steps.cast_signed()))),
         ("until", "--until", until.map(|rate| Value::Float(rate.into()))),
-        ("envs", "--envs", envs.map(|envs| Value::Integer(envs.get() as i64))),
+        ("envs", "--envs", envs.map(|envs| Value::Integer(envs.cast_signed()))),
     ];
     for (key, option, value) in options {
         if let Some(value) = value {
@@ -75,13 +74,6 @@ impl EnvVisitor for Objects {
     }
 }
 
-fn method_value(method: Method) -> Value {
-    match method {
-        Method::Rher => "rher".into(),
-        Method::Her => "her".into(),
-    }
-}
-
 /// A settings file, flattened.
 struct ConfigFile {
     entries: Vec<Entry>,
@@ -91,11 +83,12 @@ impl ConfigFile {
     fn read(path: &Path) -> Result<Self, SettingsError> {
         let text = std::fs::read_to_string(path)
             .map_err(|source| SettingsError::Read { path: path.to_owned(), source })?;
-        Self::parse(Source::File(path.to_owned()), &text)
+        Self::parse(&Source::File(path.to_owned()), &text)
     }
 
-    fn parse(source: Source, text: &str) -> Result<Self, SettingsError> {
-        let at = |offset: usize| Origin { source: source.clone(), at: Some(Place::of(text, offset)) };
+    fn parse(source: &Source, text: &str) -> Result<Self, SettingsError> {
+        let at =
+            |offset: usize| Origin { source: source.clone(), at: Some(Place::of(text, offset)) };
         let table = DeTable::parse(text).map_err(|error| SettingsError::Syntax {
             origin: at(error.span().map_or(0, |span| span.start)),
             problem: error.message().to_owned(),
@@ -136,7 +129,8 @@ impl ConfigFile {
     /// The preset that the file starts from, which must be the one `asked` for.
     fn preset(&self, asked: Option<Preset>) -> Result<Preset, SettingsError> {
         let Some(entry) = self.entry("preset") else { return Ok(asked.unwrap_or(Preset::Fast)) };
-        let preset = Preset::deserialize(entry.value.clone()).map_err(|error| entry.mistyped(&error))?;
+        let preset =
+            Preset::deserialize(entry.value.clone()).map_err(|error| entry.mistyped(&error))?;
         match asked {
             Some(asked) if asked != preset => {
                 Err(SettingsError::OtherPreset { origin: entry.origin.clone() })
@@ -163,12 +157,13 @@ fn flatten(
             }
             leaf => {
                 let spanned = toml::Spanned::new(span, leaf);
-                let value = Value::deserialize(ValueDeserializer::from(spanned)).map_err(|error| {
-                    SettingsError::Syntax {
-                        origin: origin.clone(),
-                        problem: error.message().to_owned(),
-                    }
-                })?;
+                let value =
+                    Value::deserialize(ValueDeserializer::from(spanned)).map_err(|error| {
+                        SettingsError::Syntax {
+                            origin: origin.clone(),
+                            problem: error.message().to_owned(),
+                        }
+                    })?;
                 entries.push(Entry { key, value, origin });
             }
         }
