@@ -23,7 +23,7 @@ const FINGER_MASS: f32 = 1.0;
 const FINGER_OFFSET: f32 = 0.0079;
 
 /// From the grip centre up to the fingers' centre, in metres.
-const FINGER_HEIGHT: f32 = 0.02;
+const FINGER_HEIGHT: f32 = 0.019;
 
 /// How far a finger opens, in metres.
 const FINGER_RANGE: f32 = 0.05;
@@ -32,21 +32,32 @@ const FINGER_RANGE: f32 = 0.05;
 const REACH_PER_STEP: f32 = 0.05;
 
 /// Angular frequency of the hand's answer, in radians per second.
-const HAND_FREQUENCY: f32 = 51.5;
+const HAND_FREQUENCY: f32 = 50.5;
 
 /// Stiffness with which the hand follows its lead, per second squared.
-const HAND_STIFFNESS: f32 = 6000.0;
+const HAND_STIFFNESS: f32 = 12_000.0;
 
 /// Damping with which the hand follows its lead, per second.
-const HAND_DAMPING: f32 = 155.0;
+const HAND_DAMPING: f32 = 220.0;
 
 /// The most that the arm pushes each finger, in newtons.
 const HAND_FORCE: f32 = 150.0;
 
+/// The most that the arm presses each finger down, in newtons.
+const HAND_PRESS: f32 = 45.0;
+
+/// What a stretched arm takes back of where the hand should go.
+const STRETCHED: Recoil =
+    Recoil { centre: Vector::new(0.65, 0.7491, 0.37), radius: 0.87, inside: false, strength: 0.092 };
+
+/// The same for an arm that is folded.
+const FOLDED: Recoil =
+    Recoil { centre: Vector::new(0.45, 0.7491, 0.95), radius: 0.826, inside: true, strength: 0.067 };
+
 /// How far the lead is ahead of the hand at most when a step begins, in metres.
 ///
 /// It carries the load of what is held: without it the hand would sink a little each step.
-const HAND_SLACK: f32 = 0.004;
+const HAND_SLACK: f32 = 0.003;
 
 /// Stiffness of the fingers' actuators, in newtons per metre.
 const ACTUATOR_STIFFNESS: f32 = 30_000.0;
@@ -111,6 +122,16 @@ struct Lead {
     position: Vector,
     velocity: Vector,
     target: Vector,
+}
+
+/// A sphere that the hand leaves against resistance.
+struct Recoil {
+    centre: Vector,
+    radius: f32,
+    /// Whether the resistance is inside of it.
+    inside: bool,
+    /// Share of what the hand is beyond the sphere by which its target is drawn back.
+    strength: f32,
 }
 
 /// How far the actuators would have opened unloaded fingers.
@@ -188,11 +209,13 @@ impl Gripper {
         let acceleration = self.lead.advance(seconds);
         // Implicit: what brings the hand to its lead by the end of this time, not what would
         // have been right at its beginning.
-        let behind = self.lead.position - (position + velocity * seconds);
-        let slower = self.lead.velocity - velocity;
-        let wanted = (acceleration + behind * HAND_STIFFNESS + slower * HAND_DAMPING)
+        let slower = self.lead.velocity - (velocity + acceleration * seconds);
+        let behind = self.lead.position - (position + (velocity + acceleration * seconds) * seconds);
+        let catch_up = (behind * HAND_STIFFNESS + slower * HAND_DAMPING)
             / (1.0 + HAND_DAMPING * seconds + HAND_STIFFNESS * seconds * seconds);
-        let force = (wanted * FINGER_MASS).clamp_length_max(HAND_FORCE);
+        let mut effort = (catch_up * FINGER_MASS).clamp_length_max(HAND_FORCE);
+        effort.z = effort.z.max(-HAND_PRESS);
+        let force = acceleration * FINGER_MASS + effort;
         match self.hand {
             Hand::Closed(body) => push(&mut bodies[body], force * 2.0),
             Hand::Fingers(fingers, joint) => {
@@ -263,7 +286,7 @@ impl Lead {
             (self.position - position).clamp(-Vector::splat(HAND_SLACK), Vector::splat(HAND_SLACK));
         self.position = position + ahead;
         self.velocity = velocity;
-        self.target = self.position + offset;
+        self.target = self.position + offset + STRETCHED.at(position) + FOLDED.at(position);
     }
 
     /// Moves on and returns the mean acceleration.
@@ -275,6 +298,16 @@ impl Lead {
         self.position = self.target + (from_target + drift * seconds) * decay;
         self.velocity = (self.velocity - drift * (HAND_FREQUENCY * seconds)) * decay;
         (self.velocity - before) / seconds
+    }
+}
+
+impl Recoil {
+    /// How far the hand's target is drawn back.
+    fn at(&self, hand: Vector) -> Vector {
+        let arm = hand - Vector::Z * FINGER_HEIGHT - self.centre;
+        let length = arm.length();
+        let beyond = length - self.radius;
+        if (beyond < 0.0) == self.inside { arm * (-self.strength * beyond / length) } else { Vector::ZERO }
     }
 }
 
