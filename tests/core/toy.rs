@@ -12,8 +12,8 @@ const STRIDE: f32 = 0.1;
 /// How near the gripper must be for an object to stick to it.
 const GRASP: f32 = 0.1;
 
-/// A gripper in a flat unit square that carries whatever it touches while its third action is
-/// positive; touching an object changes it, so there is something to explore.
+/// A gripper in a flat unit square; an object that it touches while its third action is positive
+/// jumps to it and goes with it.
 pub(crate) struct Magnet<const N: usize> {
     spec: EnvSpec<N>,
     scene: Scene<N>,
@@ -70,12 +70,11 @@ impl<const N: usize> Env<N> for Magnet<N> {
         let step = |place: f32, action: f32| (place + STRIDE * action).clamp(0.0, 1.0);
         self.scene.gripper =
             Position::new(step(before.x, action[0]), step(before.y, action[1]), 0.0);
-        let moved = self.scene.gripper - before;
         let near = |object: &&mut Position| nalgebra::distance(&**object, &before) < GRASP;
         if let Some(object) = self.scene.objects.iter_mut().find(near)
             && action[2] > 0.0
         {
-            *object += moved;
+            *object = self.scene.gripper;
         }
         self.observe(observation);
         Ok(Achieved(self.scene))
