@@ -89,6 +89,9 @@ fn zz_debug() {
             "abs" => config.relay.goal_frame = rher_core::config::GoalFrame::Absolute,
             "l2" => config.agent.action_l2 = 0.1,
             "noflip" => config.relay.mirror = 0.0,
+            "big" => config.agent.hidden = vec![256, 256],
+            "batch" => config.replay.batch_size = 256,
+            "g98" => config.agent.discount = 0.98,
             "slow" => config.agent.target_rate = 0.05,
             _ => {}
         }

@@ -6,6 +6,8 @@ pub mod adam;
 pub mod burn;
 pub mod config;
 #[cfg(feature = "agent")]
+pub mod fused;
+#[cfg(feature = "agent")]
 pub mod infer;
 pub mod learner;
 pub mod network;
@@ -19,8 +21,7 @@ pub fn engine(
     state: learner::LearnerState,
 ) -> Box<dyn learner::Engine> {
     match config.engine {
-        config::EngineKind::Burn | config::EngineKind::Fused => {
-            Box::new(burn::BurnEngine::from_state(config, state))
-        }
+        config::EngineKind::Burn => Box::new(burn::BurnEngine::from_state(config, state)),
+        config::EngineKind::Fused => Box::new(fused::FusedEngine::from_state(config, state)),
     }
 }
