@@ -86,10 +86,6 @@ impl<E: Simulated<1>> Stand<E> {
     pub(crate) fn held(&self) -> Vector3<f32> {
         self.scene.objects[0] - self.scene.gripper
     }
-
-    pub(crate) fn is_met(&self, desired: &Desired<1>) -> bool {
-        is_met(&self.env, Achieved(self.scene), desired)
-    }
 }
 
 /// The action that brings the hand from `here` to `place`, at full speed if it is far.

@@ -26,7 +26,7 @@ fn from_rest_the_hand_moves_by_31_mm_and_then_by_33() {
     // Episodes 0 to 5 go at full speed along one axis each.
     for replay in &replays[..6] {
         for error in &replay.hand_errors[..3] {
-            assert!(error.norm() < 0.0015, "{error}");
+            assert!(error.norm() < 0.002, "{error}");
         }
     }
 }
@@ -43,24 +43,24 @@ fn blocks_move_as_in_fetch() {
 /// The numbers of an observation mean what they mean there: units, frames, signs.
 #[test]
 fn observations_speak_the_language_of_fetch() {
-    let first_steps = |csv| {
+    for (task, csv) in [(Task::Push, PUSH), (Task::Pick, PICK)] {
         let mut recordings = read(csv);
+        // Until a little after the block is touched: later its paths differ.
         for recording in &mut recordings {
-            // Before the block is touched, and a little after.
             recording.truncate(14);
         }
-        recordings
-    };
-    for (task, csv) in [(Task::Push, PUSH), (Task::Pick, PICK)] {
-        let replays = task.visit(Replay(first_steps(csv)));
-        for (number, bar) in
-            [(0..3, 0.006), (3..6, 0.006), (9..11, 0.006), (14..17, 0.004), (20..23, 0.0015)]
-        {
-            for i in number {
-                let errors = replays.iter().flat_map(|replay| &replay.observation_errors);
-                let rms = root_mean_square(errors.filter_map(|e| e.get(&i)).copied());
-                assert!(rms < bar, "{task}, number {i}: off by {rms}");
-            }
+        let replays = task.visit(Replay(recordings));
+        let errors = || replays.iter().flat_map(|replay| &replay.observation_errors);
+        for i in replays[0].observation_errors[0].keys() {
+            let bar = match i {
+                0..11 => 0.006,
+                11..14 => 0.05,
+                14..17 => 0.004,
+                _ => 0.0025,
+            };
+            let rms = root_mean_square(errors().map(|e| e[i]));
+
+            assert!(rms < bar, "{task}, number {i}: off by {rms}");
         }
     }
 }

@@ -20,7 +20,7 @@ pub trait Sink {
     fn fingers(&mut self, fingers: [f32; 2]);
 }
 
-/// Writes the 25 numbers of FetchPush, FetchPickAndPlace and FetchSlide.
+/// Writes the 25 numbers of `FetchPush`, `FetchPickAndPlace` and `FetchSlide`.
 ///
 /// Gripper (3), object (3), object − gripper (3), finger openings (2), Euler angles of the object
 /// (3), its velocity relative to the gripper's (3), its angular velocity (3), the gripper's
@@ -37,7 +37,7 @@ pub(crate) fn gripper_and_object(grip: &Grip, object: &Motion, out: &mut impl Si
     out.fingers(grip.opening_velocity.map(|v| v * STEP_SECONDS));
 }
 
-/// Writes the 10 numbers of FetchReach: gripper (3), finger openings (2), the gripper's velocity
+/// Writes the 10 numbers of `FetchReach`: gripper (3), finger openings (2), the gripper's velocity
 /// (3), the fingers' (2).
 pub(crate) fn gripper_alone(grip: &Grip, out: &mut impl Sink) {
     out.position(grip.position);

@@ -65,7 +65,7 @@ const FOLDED: Recoil = Recoil {
 /// How far the lead is ahead of the hand at most when a step begins, in metres.
 ///
 /// It carries the load of what is held: without it the hand would sink a little each step.
-const HAND_SLACK: f32 = 0.002;
+const HAND_SLACK: f32 = 0.0025;
 
 /// Stiffness of the fingers' actuators, in newtons per metre.
 const ACTUATOR_STIFFNESS: f32 = 30_000.0;
@@ -339,9 +339,9 @@ impl Opening {
     fn advance(&mut self, seconds: f32) {
         let pull = ACTUATOR_FREQUENCY_SQUARED * (self.target - self.position);
         self.velocity += seconds * (pull - ACTUATOR_DAMPING * self.velocity);
-        let position = self.position + seconds * self.velocity;
-        self.position = position.clamp(0.0, FINGER_RANGE);
-        if self.position < position || self.position > position {
+        self.position += seconds * self.velocity;
+        if !(0.0..=FINGER_RANGE).contains(&self.position) {
+            self.position = self.position.clamp(0.0, FINGER_RANGE);
             self.velocity = 0.0;
         }
     }
