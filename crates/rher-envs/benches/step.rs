@@ -1,5 +1,7 @@
 //! CPU time of an environment step with random actions, and of a reset.
 
+#![expect(clippy::unwrap_used, reason = "a benchmark that cannot go on has failed")]
+
 use cpu_time::ThreadTime;
 use criterion::measurement::{Measurement, ValueFormatter, WallTime};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};

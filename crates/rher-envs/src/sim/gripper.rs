@@ -6,7 +6,7 @@
 
 use super::scenery::with_friction;
 use super::{nalgebra, point};
-use ::nalgebra::Vector3;
+use ::nalgebra::{ComplexField, Vector3};
 use rapier3d::prelude::{
     ColliderBuilder, ColliderSet, ImpulseJointHandle, ImpulseJointSet, JointAxis, MotorModel,
     PrismaticJointBuilder, RigidBody, RigidBodyBuilder, RigidBodyHandle, RigidBodySet, Vector,
@@ -17,7 +17,7 @@ use rher_core::goal::Position;
 const FINGER_HALF: Vector = Vector::new(0.0135, 0.007, 0.0385);
 
 /// Kilograms.
-const FINGER_MASS: f32 = 1.0;
+const FINGER_MASS: f32 = 1.5;
 
 /// From the middle of the gripper to a closed finger's centre, along y, in metres.
 const FINGER_OFFSET: f32 = 0.0079;
@@ -47,17 +47,25 @@ const HAND_FORCE: f32 = 150.0;
 const HAND_PRESS: f32 = 45.0;
 
 /// What a stretched arm takes back of where the hand should go.
-const STRETCHED: Recoil =
-    Recoil { centre: Vector::new(0.65, 0.7491, 0.37), radius: 0.87, inside: false, strength: 0.092 };
+const STRETCHED: Recoil = Recoil {
+    centre: Vector::new(0.65, 0.7491, 0.37),
+    radius: 0.87,
+    inside: false,
+    strength: 0.092,
+};
 
 /// The same for an arm that is folded.
-const FOLDED: Recoil =
-    Recoil { centre: Vector::new(0.45, 0.7491, 0.95), radius: 0.826, inside: true, strength: 0.067 };
+const FOLDED: Recoil = Recoil {
+    centre: Vector::new(0.45, 0.7491, 0.95),
+    radius: 0.826,
+    inside: true,
+    strength: 0.067,
+};
 
 /// How far the lead is ahead of the hand at most when a step begins, in metres.
 ///
 /// It carries the load of what is held: without it the hand would sink a little each step.
-const HAND_SLACK: f32 = 0.003;
+const HAND_SLACK: f32 = 0.0025;
 
 /// Stiffness of the fingers' actuators, in newtons per metre.
 const ACTUATOR_STIFFNESS: f32 = 30_000.0;
@@ -210,7 +218,8 @@ impl Gripper {
         // Implicit: what brings the hand to its lead by the end of this time, not what would
         // have been right at its beginning.
         let slower = self.lead.velocity - (velocity + acceleration * seconds);
-        let behind = self.lead.position - (position + (velocity + acceleration * seconds) * seconds);
+        let behind =
+            self.lead.position - (position + (velocity + acceleration * seconds) * seconds);
         let catch_up = (behind * HAND_STIFFNESS + slower * HAND_DAMPING)
             / (1.0 + HAND_DAMPING * seconds + HAND_STIFFNESS * seconds * seconds);
         let mut effort = (catch_up * FINGER_MASS).clamp_length_max(HAND_FORCE);
@@ -222,9 +231,8 @@ impl Gripper {
                 for finger in fingers {
                     push(&mut bodies[finger], force);
                 }
-                if self.opening.advance(seconds)
-                    && let Some(joint) = joints.get_mut(joint, false)
-                {
+                self.opening.advance(seconds);
+                if let Some(joint) = joints.get_mut(joint, false) {
                     joint.data.set_motor(
                         JointAxis::LinX,
                         2.0 * self.opening.position,
@@ -292,7 +300,8 @@ impl Lead {
     /// Moves on and returns the mean acceleration.
     fn advance(&mut self, seconds: f32) -> Vector {
         let before = self.velocity;
-        let decay = (-HAND_FREQUENCY * seconds).exp();
+        // nalgebra's, since that of std differs between platforms.
+        let decay = ComplexField::exp(-HAND_FREQUENCY * seconds);
         let from_target = self.position - self.target;
         let drift = self.velocity + from_target * HAND_FREQUENCY;
         self.position = self.target + (from_target + drift * seconds) * decay;
@@ -307,7 +316,11 @@ impl Recoil {
         let arm = hand - Vector::Z * FINGER_HEIGHT - self.centre;
         let length = arm.length();
         let beyond = length - self.radius;
-        if (beyond < 0.0) == self.inside { arm * (-self.strength * beyond / length) } else { Vector::ZERO }
+        if (beyond < 0.0) == self.inside {
+            arm * (-self.strength * beyond / length)
+        } else {
+            Vector::ZERO
+        }
     }
 }
 
@@ -315,16 +328,15 @@ impl Opening {
     /// Starts a step; `action` is what the actuators add to how far the fingers really are open.
     fn aim(&mut self, action: f32, opening: f32) {
         let slack = GRIP_FORCE / ACTUATOR_STIFFNESS;
-        let position = self.position.clamp(opening - slack, opening + slack);
-        if position.to_bits() != self.position.to_bits() {
-            *self = Self { position, velocity: 0.0, ..*self };
+        if (self.position - opening).abs() > slack {
+            self.position = self.position.clamp(opening - slack, opening + slack);
+            self.velocity = 0.0;
         }
         self.target = (opening + action).clamp(0.0, ACTUATOR_RANGE);
     }
 
-    /// Moves on; `false` if nothing changed.
-    fn advance(&mut self, seconds: f32) -> bool {
-        let before = self.position;
+    /// Moves on.
+    fn advance(&mut self, seconds: f32) {
         let pull = ACTUATOR_FREQUENCY_SQUARED * (self.target - self.position);
         self.velocity += seconds * (pull - ACTUATOR_DAMPING * self.velocity);
         self.position += seconds * self.velocity;
@@ -332,6 +344,5 @@ impl Opening {
             self.position = self.position.clamp(0.0, FINGER_RANGE);
             self.velocity = 0.0;
         }
-        self.position.to_bits() != before.to_bits()
     }
 }
