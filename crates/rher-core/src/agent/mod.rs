@@ -3,5 +3,9 @@
 pub mod adam;
 pub mod burn;
 pub mod config;
+pub mod infer;
 pub mod learner;
 pub mod network;
+
+#[cfg(test)]
+mod contract;
