@@ -14,6 +14,9 @@ pub mod network;
 #[cfg(feature = "agent")]
 pub mod policy;
 
+#[cfg(all(test, feature = "agent"))]
+mod contract;
+
 /// The engine that `config` names, going on from `state`.
 #[cfg(feature = "agent")]
 pub fn engine(
