@@ -1,12 +1,13 @@
 //! Replays recorded episodes of a real Fetch environment and prints how far this one is from them.
 //!
 //! ```console
-//! $ cargo run --release -p rher-envs --example calibrate -- push fetch_push.csv
+//! $ cargo run --release -p rher-envs --example calibrate -- push tests/data/fetch_push.csv
 //! ```
 //!
-//! The file has one row for each step, a header, and the columns `kind`, `episode`, `step`,
-//! `action_*`, `obs_*`, `achieved_*` and `desired_*`; row `step` 0 is the reset.
+//! The file has a header and one row for each step, with the columns `kind`, `step`, `action_*`,
+//! `obs_*` and `desired_*`; row `step` 0 is the reset.
 
+use nalgebra::Vector3;
 use rher_core::env::EnvError;
 use rher_core::goal::Position;
 use rher_envs::{EnvVisitor, Layout, Simulated, Task};
@@ -17,6 +18,7 @@ use std::process::ExitCode;
 /// Rows of one episode, with the reset in front.
 type Recording = Vec<Row>;
 
+/// One step: the action and what it led to.
 struct Row {
     action: Vec<f32>,
     gripper: Position,
@@ -56,7 +58,9 @@ fn read(csv: &str) -> Result<BTreeMap<String, Vec<Recording>>, Box<dyn Error>> {
         header.iter().position(|h| *h == name).ok_or_else(|| format!("no column `{name}`"))
     };
     let (kind, step, action) = (column("kind")?, column("step")?, column("action_0")?);
-    let (gripper, object, target) = (column("obs_0")?, column("achieved_x")?, column("desired_x")?);
+    let (gripper, target) = (column("obs_0")?, column("desired_x")?);
+    // FetchReach has no object: the target stands in for it.
+    let object = column("obs_4").map_or(target, |y| y - 1);
 
     let mut kinds: BTreeMap<String, Vec<Recording>> = BTreeMap::new();
     for line in lines {
@@ -96,66 +100,86 @@ impl EnvVisitor for Compare {
     fn visit<const N: usize, E: Simulated<N>>(self, build: fn() -> E) -> Self::Output {
         let Self { kind, recordings } = self;
         let mut env = build();
-        let mut observation = vec![0.0; env.spec().observation];
-        let mut squares = [0.0; 3];
-        let mut steps = 0.0;
         println!("{} {kind}", env.spec().name);
-        println!("episode  hand rms x  y  z (mm/step)   object moved: here, there, apart (mm)");
+        println!(
+            "episode  hand off by x, y, z (rms, mm a step)  object moved here, there, apart (mm)"
+        );
+        let mut hand = Squares::default();
         let mut apart = Vec::new();
         for (episode, recording) in recordings.iter().enumerate() {
-            let first = &recording[0];
-            let layout = Layout { objects: [first.object; N], targets: [first.target; N] };
-            let mut before = env.arrange(layout, &mut observation)?.achieved;
-            let start = before;
-            let mut sums = [0.0; 3];
-            for pair in recording.windows(2) {
-                let after = env.step(&pair[1].action, &mut observation)?;
-                let moved = after.0.gripper - before.0.gripper;
-                let error = moved - (pair[1].gripper - pair[0].gripper);
-                for axis in 0..3 {
-                    sums[axis] += error[axis] * error[axis];
-                }
-                if std::env::var("VERBOSE").is_ok_and(|v| v == episode.to_string()) {
-                    println!(
-                        "{:?} here {:.4?} there {:.4?} | {:.4?} {:.4?}",
-                        pair[1].action,
-                        after.0.gripper.coords.as_slice(),
-                        pair[1].gripper.coords.as_slice(),
-                        after.0.objects[0].coords.as_slice(),
-                        pair[1].object.coords.as_slice()
-                    );
-                }
-                before = after;
-            }
-            let count = (recording.len() - 1) as f32;
-            let rms = sums.map(|s| 1000.0 * (s / count).sqrt());
-            let here = 1000.0 * (before.0.objects[0] - start.0.objects[0]);
-            let last = &recording[recording.len() - 1];
-            let there = 1000.0 * (last.object - first.object);
+            let replay = replay(&mut env, recording)?;
+            let [x, y, z] = replay.hand.root_mean();
+            let (here, there) = replay.object_moved;
             println!(
-                "{episode:>7}  {:>10.2} {:>5.2} {:>5.2} {:>30.0} {:>6.0} {:>6.0}",
-                rms[0],
-                rms[1],
-                rms[2],
+                "{episode:>7} {x:>19.2} {y:>5.2} {z:>5.2} {:>27.0} {:>6.0} {:>6.0}",
                 here.norm(),
                 there.norm(),
-                (here - there).norm()
+                (here - there).norm(),
             );
+            hand.join(&replay.hand);
             apart.push((here - there).norm());
-            for axis in 0..3 {
-                squares[axis] += sums[axis];
-            }
-            steps += count;
         }
         apart.sort_by(f32::total_cmp);
-        let rms = squares.map(|s| 1000.0 * (s / steps).sqrt());
-        println!(
-            "all      {:>10.2} {:>5.2} {:>5.2}   median apart {:.0}\n",
-            rms[0],
-            rms[1],
-            rms[2],
-            apart[apart.len() / 2]
-        );
+        let [x, y, z] = hand.root_mean();
+        println!("all     {x:>19.2} {y:>5.2} {z:>5.2} {:>34} {:>6.0}\n", "median", median(&apart));
         Ok(())
     }
+}
+
+/// What a replayed episode comes to, in millimetres.
+struct Replay {
+    /// How far each displacement of the hand is off.
+    hand: Squares,
+    /// How far the object is from its start in the end: here and there.
+    object_moved: (Vector3<f32>, Vector3<f32>),
+}
+
+/// Starts where the recording did and repeats its actions, whatever comes of them.
+fn replay<const N: usize>(
+    env: &mut impl Simulated<N>,
+    recording: &[Row],
+) -> Result<Replay, EnvError> {
+    let mut observation = vec![0.0; env.spec().observation];
+    let (first, last) = (&recording[0], &recording[recording.len() - 1]);
+    let layout = Layout { objects: [first.object; N], targets: [first.target; N] };
+    let start = env.arrange(layout, &mut observation)?.achieved;
+    let mut before = start;
+    let mut hand = Squares::default();
+    for rows in recording.windows(2) {
+        let after = env.step(&rows[1].action, &mut observation)?;
+        let here = after.0.gripper - before.0.gripper;
+        hand.add(1000.0 * (here - (rows[1].gripper - rows[0].gripper)));
+        before = after;
+    }
+    let here = 1000.0 * (before.0.objects[0] - start.0.objects[0]);
+    Ok(Replay { hand, object_moved: (here, 1000.0 * (last.object - first.object)) })
+}
+
+/// A sum of squares along each axis.
+#[derive(Default)]
+struct Squares {
+    sum: Vector3<f32>,
+    count: f32,
+}
+
+impl Squares {
+    fn add(&mut self, error: Vector3<f32>) {
+        self.sum += error.component_mul(&error);
+        self.count += 1.0;
+    }
+
+    fn join(&mut self, other: &Self) {
+        self.sum += other.sum;
+        self.count += other.count;
+    }
+
+    fn root_mean(&self) -> [f32; 3] {
+        (self.sum / self.count).map(f32::sqrt).into()
+    }
+}
+
+/// Of sorted numbers.
+fn median(sorted: &[f32]) -> f32 {
+    let half = sorted.len() / 2;
+    if sorted.len() % 2 == 1 { sorted[half] } else { f32::midpoint(sorted[half - 1], sorted[half]) }
 }

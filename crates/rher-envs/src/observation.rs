@@ -1,7 +1,7 @@
 //! The layout of observations, written once for their numbers, their width and their mirror image.
 
 use crate::sim::{Grip, Motion, STEP_SECONDS};
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::{RealField, UnitQuaternion, Vector3};
 use rher_core::env::Reflection;
 use rher_core::goal::Position;
 
@@ -20,7 +20,7 @@ pub trait Sink {
     fn fingers(&mut self, fingers: [f32; 2]);
 }
 
-/// Writes the 25 numbers of FetchPush, FetchPickAndPlace and FetchSlide.
+/// Writes the 25 numbers of `FetchPush`, `FetchPickAndPlace` and `FetchSlide`.
 ///
 /// Gripper (3), object (3), object − gripper (3), finger openings (2), Euler angles of the object
 /// (3), its velocity relative to the gripper's (3), its angular velocity (3), the gripper's
@@ -37,7 +37,7 @@ pub(crate) fn gripper_and_object(grip: &Grip, object: &Motion, out: &mut impl Si
     out.fingers(grip.opening_velocity.map(|v| v * STEP_SECONDS));
 }
 
-/// Writes the 10 numbers of FetchReach: gripper (3), finger openings (2), the gripper's velocity
+/// Writes the 10 numbers of `FetchReach`: gripper (3), finger openings (2), the gripper's velocity
 /// (3), the fingers' (2).
 pub(crate) fn gripper_alone(grip: &Grip, out: &mut impl Sink) {
     out.position(grip.position);
@@ -50,14 +50,14 @@ pub(crate) fn gripper_alone(grip: &Grip, out: &mut impl Sink) {
 /// convention of Gymnasium-Robotics.
 fn euler_angles(rotation: &UnitQuaternion<f32>) -> Vector3<f32> {
     let m = rotation.to_rotation_matrix();
-    let cos_pitch = m[(2, 2)].hypot(m[(1, 2)]);
-    let pitch = m[(0, 2)].atan2(cos_pitch);
+    // nalgebra's, since that of std differs between platforms.
+    let angle = |sine: f32, cosine: f32| RealField::atan2(sine, cosine);
+    let cos_pitch = (m[(2, 2)] * m[(2, 2)] + m[(1, 2)] * m[(1, 2)]).sqrt();
+    let pitch = angle(m[(0, 2)], cos_pitch);
     if cos_pitch > 4.0 * f32::EPSILON {
-        let roll = (-m[(1, 2)]).atan2(m[(2, 2)]);
-        let yaw = (-m[(0, 1)]).atan2(m[(0, 0)]);
-        Vector3::new(roll, pitch, yaw)
+        Vector3::new(angle(-m[(1, 2)], m[(2, 2)]), pitch, angle(-m[(0, 1)], m[(0, 0)]))
     } else {
-        Vector3::new(0.0, pitch, m[(1, 0)].atan2(m[(1, 1)]))
+        Vector3::new(0.0, pitch, angle(m[(1, 0)], m[(1, 1)]))
     }
 }
 

@@ -1,4 +1,7 @@
 //! What moves parameters: Adam for the trained ones, a slow pursuit for the targets.
+//!
+//! Each closure given to `dispatch` consumes an iterator: one that consumes nothing is called
+//! through a shim, and not compiled for the wider registers.
 
 use super::learner::{BETA_1, BETA_2, EPSILON, Trained};
 use pulp::Arch;
@@ -45,16 +48,64 @@ impl Trained {
 pub fn squared_norm(values: &[f32]) -> f32 {
     const LANES: usize = 32;
     let (chunks, rest) = values.as_chunks::<LANES>();
-    let mut sums = [0.0; LANES];
-    Arch::new().dispatch(
+    let chunks = chunks.iter();
+    let sums = Arch::new().dispatch(
         #[inline(always)]
         || {
+            let mut sums = [0.0; LANES];
             for chunk in chunks {
                 for (sum, value) in sums.iter_mut().zip(chunk) {
                     *sum += value * value;
                 }
             }
+            sums
         },
     );
-    sums.iter().sum::<f32>() + rest.iter().map(|value| value * value).sum::<f32>()
+    sums.into_iter().chain(rest.iter().map(|value| value * value)).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::network::Shape;
+    use super::*;
+
+    #[test]
+    fn five_steps_are_those_of_the_rule_in_f64() {
+        let shape = Shape { inputs: 40, hidden: vec![], outputs: 1, layer_norm: false };
+        let online: Vec<f32> = (0..41).map(|index| (index as f32).sin()).collect();
+        let mut trained = Trained {
+            shape,
+            target: online.clone(),
+            first_moment: vec![0.0; 41],
+            second_moment: vec![0.0; 41],
+            online,
+            steps: 0,
+        };
+        let mut expected: Vec<_> =
+            trained.online.iter().map(|start| (f64::from(*start), 0.0, 0.0)).collect();
+        for step in 1..=5 {
+            // Over many orders of magnitude, to tell where ε is added.
+            let slope = |index: usize| {
+                (step as f32 * index as f32).cos() * 0.1_f32.powf(index as f32 / 4.0)
+            };
+            trained.descend(&(0..41).map(slope).collect::<Vec<_>>(), 1e-2);
+            for (index, (parameter, first, second)) in expected.iter_mut().enumerate() {
+                let slope = f64::from(slope(index));
+                *first = 0.9 * *first + 0.1 * slope;
+                *second = 0.999 * *second + 0.001 * slope * slope;
+                let mean = *first / (1.0 - 0.9_f64.powi(step));
+                let square: f64 = *second / (1.0 - 0.999_f64.powi(step));
+                *parameter -= 1e-2 * mean / (square.sqrt() + 1e-8);
+            }
+        }
+        assert_eq!(trained.steps, 5);
+        for (online, (expected, ..)) in trained.online.iter().zip(expected) {
+            assert!((f64::from(*online) - expected).abs() < 1e-6, "{online} is not {expected}");
+        }
+    }
+
+    #[test]
+    fn the_norm_counts_what_is_left_of_the_last_chunk() {
+        assert_eq!(squared_norm(&[2.0; 67]).to_bits(), 268.0_f32.to_bits());
+    }
 }

@@ -231,3 +231,51 @@ fn numbers<B: Backend, const D: usize>(tensor: Tensor<B, D>) -> Vec<f32> {
 fn number<B: Backend>(tensor: Tensor<B, 1>) -> f32 {
     numbers(tensor)[0]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::config::Init;
+    use super::super::contract;
+    use super::super::infer::Inference;
+    use super::*;
+    use rand::{RngExt as _, SeedableRng as _};
+    use rand_chacha::ChaCha8Rng;
+
+    #[test]
+    fn gradients_are_slopes_of_the_losses() {
+        contract::gradients_are_slopes_of_the_losses(BurnEngine::from_state);
+    }
+
+    #[test]
+    fn a_copy_of_the_state_goes_on_alike() {
+        contract::a_copy_of_the_state_goes_on_alike(BurnEngine::from_state);
+    }
+
+    #[test]
+    fn values_are_the_known_returns() {
+        contract::values_are_the_known_returns(BurnEngine::from_state);
+    }
+
+    #[test]
+    fn the_actor_finds_the_rewarded_action() {
+        contract::the_actor_finds_the_rewarded_action(BurnEngine::from_state);
+    }
+
+    #[test]
+    fn acting_and_training_see_the_same_network() {
+        for (hidden, layer_norm) in [(vec![256; 3], false), (vec![37, 5], true), (vec![], false)] {
+            let shape = Shape { inputs: 31, hidden, outputs: 4, layer_norm };
+            let mut rng = ChaCha8Rng::seed_from_u64(8);
+            let parameters = shape.draw(Init::FanIn, &mut rng);
+            let inputs: Vec<f32> = (0..19 * 31).map(|_| rng.random_range(-5.0..5.0)).collect();
+            let mut outputs = vec![0.0; 19 * 4];
+            Inference::new(&shape).forward(&parameters, &inputs, &mut outputs);
+            let device = burn::backend::ndarray::NdArrayDevice::Cpu;
+            let network = Network::<NdArray<f32>>::new(&shape, &parameters, &device);
+            let expected = numbers(network.forward(matrix(inputs, 19, &device)));
+            for (output, expected) in outputs.iter().zip(&expected) {
+                assert!((output - expected).abs() < 1e-5, "{output} is not {expected}");
+            }
+        }
+    }
+}

@@ -6,11 +6,16 @@ pub mod adam;
 pub mod burn;
 pub mod config;
 #[cfg(feature = "agent")]
+pub mod fused;
+#[cfg(feature = "agent")]
 pub mod infer;
 pub mod learner;
 pub mod network;
 #[cfg(feature = "agent")]
 pub mod policy;
+
+#[cfg(all(test, feature = "agent"))]
+mod contract;
 
 /// The engine that `config` names, going on from `state`.
 #[cfg(feature = "agent")]
@@ -19,8 +24,7 @@ pub fn engine(
     state: learner::LearnerState,
 ) -> Box<dyn learner::Engine> {
     match config.engine {
-        config::EngineKind::Burn | config::EngineKind::Fused => {
-            Box::new(burn::BurnEngine::from_state(config, state))
-        }
+        config::EngineKind::Burn => Box::new(burn::BurnEngine::from_state(config, state)),
+        config::EngineKind::Fused => Box::new(fused::FusedEngine::from_state(config, state)),
     }
 }

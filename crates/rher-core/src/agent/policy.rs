@@ -1,6 +1,6 @@
 //! A trained policy on its own: what acts, what is saved, what is deployed.
 
-use super::infer::Forward;
+use super::infer::Inference;
 use super::network::Shape;
 use crate::env::EnvSpec;
 use crate::goal::{Achieved, Desired, EncodedGoal, Stage};
@@ -100,7 +100,7 @@ impl Policy {
         Actor {
             policy: self,
             input: vec![0.0; self.encoder.width()],
-            forward: Forward::new(&self.shape),
+            inference: Inference::new(&self.shape),
         }
     }
 
@@ -218,7 +218,7 @@ impl Policy {
 pub struct Actor<'a> {
     policy: &'a Policy,
     input: Vec<f32>,
-    forward: Forward,
+    inference: Inference,
 }
 
 impl Actor<'_> {
@@ -237,9 +237,6 @@ impl Actor<'_> {
     ) {
         let goal = EncodedGoal::new(stage, achieved, desired);
         self.policy.encoder.write(observation, achieved, &goal, &mut self.input);
-        let output = self.forward.run(&self.policy.parameters, &self.input, 1);
-        for (action, output) in action.iter_mut().zip(output) {
-            *action = output.tanh();
-        }
+        self.inference.act(&self.policy.parameters, &self.input, action);
     }
 }

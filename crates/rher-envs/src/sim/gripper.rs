@@ -6,7 +6,7 @@
 
 use super::scenery::with_friction;
 use super::{nalgebra, point};
-use ::nalgebra::Vector3;
+use ::nalgebra::{ComplexField, Vector3};
 use rapier3d::prelude::{
     ColliderBuilder, ColliderSet, ImpulseJointHandle, ImpulseJointSet, JointAxis, MotorModel,
     PrismaticJointBuilder, RigidBody, RigidBodyBuilder, RigidBodyHandle, RigidBodySet, Vector,
@@ -17,13 +17,13 @@ use rher_core::goal::Position;
 const FINGER_HALF: Vector = Vector::new(0.0135, 0.007, 0.0385);
 
 /// Kilograms.
-const FINGER_MASS: f32 = 1.0;
+const FINGER_MASS: f32 = 1.5;
 
 /// From the middle of the gripper to a closed finger's centre, along y, in metres.
 const FINGER_OFFSET: f32 = 0.0079;
 
 /// From the grip centre up to the fingers' centre, in metres.
-const FINGER_HEIGHT: f32 = 0.02;
+const FINGER_HEIGHT: f32 = 0.019;
 
 /// How far a finger opens, in metres.
 const FINGER_RANGE: f32 = 0.05;
@@ -32,21 +32,40 @@ const FINGER_RANGE: f32 = 0.05;
 const REACH_PER_STEP: f32 = 0.05;
 
 /// Angular frequency of the hand's answer, in radians per second.
-const HAND_FREQUENCY: f32 = 51.5;
+const HAND_FREQUENCY: f32 = 50.5;
 
 /// Stiffness with which the hand follows its lead, per second squared.
-const HAND_STIFFNESS: f32 = 6000.0;
+const HAND_STIFFNESS: f32 = 12_000.0;
 
 /// Damping with which the hand follows its lead, per second.
-const HAND_DAMPING: f32 = 155.0;
+const HAND_DAMPING: f32 = 220.0;
 
 /// The most that the arm pushes each finger, in newtons.
 const HAND_FORCE: f32 = 150.0;
 
+/// The most that the arm presses each finger down, in newtons.
+const HAND_PRESS: f32 = 45.0;
+
+/// What a stretched arm takes back of where the hand should go.
+const STRETCHED: Recoil = Recoil {
+    centre: Vector::new(0.65, 0.7491, 0.37),
+    radius: 0.87,
+    inside: false,
+    strength: 0.092,
+};
+
+/// The same for an arm that is folded.
+const FOLDED: Recoil = Recoil {
+    centre: Vector::new(0.45, 0.7491, 0.95),
+    radius: 0.826,
+    inside: true,
+    strength: 0.067,
+};
+
 /// How far the lead is ahead of the hand at most when a step begins, in metres.
 ///
 /// It carries the load of what is held: without it the hand would sink a little each step.
-const HAND_SLACK: f32 = 0.004;
+const HAND_SLACK: f32 = 0.0025;
 
 /// Stiffness of the fingers' actuators, in newtons per metre.
 const ACTUATOR_STIFFNESS: f32 = 30_000.0;
@@ -111,6 +130,16 @@ struct Lead {
     position: Vector,
     velocity: Vector,
     target: Vector,
+}
+
+/// A sphere that the hand leaves against resistance.
+struct Recoil {
+    centre: Vector,
+    radius: f32,
+    /// Whether the resistance is inside of it.
+    inside: bool,
+    /// Share of what the hand is beyond the sphere by which its target is drawn back.
+    strength: f32,
 }
 
 /// How far the actuators would have opened unloaded fingers.
@@ -188,20 +217,22 @@ impl Gripper {
         let acceleration = self.lead.advance(seconds);
         // Implicit: what brings the hand to its lead by the end of this time, not what would
         // have been right at its beginning.
-        let behind = self.lead.position - (position + velocity * seconds);
-        let slower = self.lead.velocity - velocity;
-        let wanted = (acceleration + behind * HAND_STIFFNESS + slower * HAND_DAMPING)
+        let slower = self.lead.velocity - (velocity + acceleration * seconds);
+        let behind =
+            self.lead.position - (position + (velocity + acceleration * seconds) * seconds);
+        let catch_up = (behind * HAND_STIFFNESS + slower * HAND_DAMPING)
             / (1.0 + HAND_DAMPING * seconds + HAND_STIFFNESS * seconds * seconds);
-        let force = (wanted * FINGER_MASS).clamp_length_max(HAND_FORCE);
+        let mut effort = (catch_up * FINGER_MASS).clamp_length_max(HAND_FORCE);
+        effort.z = effort.z.max(-HAND_PRESS);
+        let force = acceleration * FINGER_MASS + effort;
         match self.hand {
             Hand::Closed(body) => push(&mut bodies[body], force * 2.0),
             Hand::Fingers(fingers, joint) => {
                 for finger in fingers {
                     push(&mut bodies[finger], force);
                 }
-                if self.opening.advance(seconds)
-                    && let Some(joint) = joints.get_mut(joint, false)
-                {
+                self.opening.advance(seconds);
+                if let Some(joint) = joints.get_mut(joint, false) {
                     joint.data.set_motor(
                         JointAxis::LinX,
                         2.0 * self.opening.position,
@@ -263,13 +294,14 @@ impl Lead {
             (self.position - position).clamp(-Vector::splat(HAND_SLACK), Vector::splat(HAND_SLACK));
         self.position = position + ahead;
         self.velocity = velocity;
-        self.target = self.position + offset;
+        self.target = self.position + offset + STRETCHED.at(position) + FOLDED.at(position);
     }
 
     /// Moves on and returns the mean acceleration.
     fn advance(&mut self, seconds: f32) -> Vector {
         let before = self.velocity;
-        let decay = (-HAND_FREQUENCY * seconds).exp();
+        // nalgebra's, since that of std differs between platforms.
+        let decay = ComplexField::exp(-HAND_FREQUENCY * seconds);
         let from_target = self.position - self.target;
         let drift = self.velocity + from_target * HAND_FREQUENCY;
         self.position = self.target + (from_target + drift * seconds) * decay;
@@ -278,20 +310,33 @@ impl Lead {
     }
 }
 
+impl Recoil {
+    /// How far the hand's target is drawn back.
+    fn at(&self, hand: Vector) -> Vector {
+        let arm = hand - Vector::Z * FINGER_HEIGHT - self.centre;
+        let length = arm.length();
+        let beyond = length - self.radius;
+        if (beyond < 0.0) == self.inside {
+            arm * (-self.strength * beyond / length)
+        } else {
+            Vector::ZERO
+        }
+    }
+}
+
 impl Opening {
     /// Starts a step; `action` is what the actuators add to how far the fingers really are open.
     fn aim(&mut self, action: f32, opening: f32) {
         let slack = GRIP_FORCE / ACTUATOR_STIFFNESS;
-        let position = self.position.clamp(opening - slack, opening + slack);
-        if position.to_bits() != self.position.to_bits() {
-            *self = Self { position, velocity: 0.0, ..*self };
+        if (self.position - opening).abs() > slack {
+            self.position = self.position.clamp(opening - slack, opening + slack);
+            self.velocity = 0.0;
         }
         self.target = (opening + action).clamp(0.0, ACTUATOR_RANGE);
     }
 
-    /// Moves on; `false` if nothing changed.
-    fn advance(&mut self, seconds: f32) -> bool {
-        let before = self.position;
+    /// Moves on.
+    fn advance(&mut self, seconds: f32) {
         let pull = ACTUATOR_FREQUENCY_SQUARED * (self.target - self.position);
         self.velocity += seconds * (pull - ACTUATOR_DAMPING * self.velocity);
         self.position += seconds * self.velocity;
@@ -299,6 +344,5 @@ impl Opening {
             self.position = self.position.clamp(0.0, FINGER_RANGE);
             self.velocity = 0.0;
         }
-        self.position.to_bits() != before.to_bits()
     }
 }

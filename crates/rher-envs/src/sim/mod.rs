@@ -26,7 +26,7 @@ const SUBSTEPS: u8 = 4;
 const SUBSTEP_SECONDS: f32 = STEP_SECONDS / SUBSTEPS as f32;
 
 /// Solver substeps between collision detections.
-const SOLVER_ITERATIONS: u8 = 2;
+const SOLVER_ITERATIONS: u8 = 4;
 
 /// Stiffness of contacts, in hertz: stacks jitter above a quarter of the solver's own frequency.
 const CONTACT_FREQUENCY: f32 = 0.25 * SUBSTEPS as f32 * SOLVER_ITERATIONS as f32 / STEP_SECONDS;

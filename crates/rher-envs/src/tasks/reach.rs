@@ -1,7 +1,7 @@
 //! FetchReach: bring the gripper to a place in the air.
 
 use crate::observation::{Sink, gripper_alone};
-use crate::sim::{Fingers, World};
+use crate::sim::{Fingers, Scenery, World};
 use crate::simulation::{Layout, MIDDLE, Scenario};
 use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
@@ -25,7 +25,7 @@ impl Scenario<1> for Reach {
     const SUBTASKS: usize = 1;
 
     fn build() -> (Self, World) {
-        let (world, ()) = World::new(Fingers::Locked, HOME, |scenery| scenery.table());
+        let (world, ()) = World::new(Fingers::Locked, HOME, Scenery::table);
         (Self, world)
     }
 

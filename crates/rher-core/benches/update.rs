@@ -1,0 +1,68 @@
+//! Time of one update of the learner, by engine, batch, inputs and threads.
+#![expect(missing_docs, reason = "criterion's macros write functions")]
+
+use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
+use rand::{RngExt as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::StandardNormal;
+use rher_core::agent::config::{AgentConfig, EngineKind, Init, TargetEvery};
+use rher_core::agent::fused::FusedEngine;
+use rher_core::agent::learner::{Engine as _, LearnerState};
+use rher_core::batch::Batch;
+
+const ACTION: usize = 4;
+
+fn td3() -> AgentConfig {
+    AgentConfig {
+        engine: EngineKind::Fused,
+        hidden: vec![256; 3],
+        init: Init::FanIn,
+        critics: 2,
+        critic_layer_norm: false,
+        policy_delay: 2,
+        target_noise: 0.2,
+        target_noise_clip: 0.5,
+        discount: 0.98,
+        action_l2: 1.0,
+        actor_learning_rate: 1e-3,
+        critic_learning_rate: 1e-3,
+        target_rate: 0.005,
+        target_every: TargetEvery::Update,
+    }
+}
+
+fn draw_batch(rows: usize, input: usize, rng: &mut ChaCha8Rng) -> Batch {
+    let mut batch = Batch::zeros(rows, input, ACTION);
+    batch.inputs.fill_with(|| rng.sample(StandardNormal));
+    batch.next_inputs.fill_with(|| rng.sample(StandardNormal));
+    batch.actions.fill_with(|| rng.random_range(-1.0..1.0));
+    batch.rewards.fill_with(|| -f32::from(rng.random_bool(0.9)));
+    batch
+}
+
+fn update(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("update");
+    for threads in [1, 2] {
+        for input in [31, 81] {
+            for rows in [128, 256, 1024, 2048] {
+                let mut rng = ChaCha8Rng::seed_from_u64(0);
+                let config = td3();
+                let state = LearnerState::new(&config, input, ACTION, &mut rng);
+                let mut engine = FusedEngine::from_state(&config, state)
+                    .with_threads(threads)
+                    .expect("threads can be started");
+                let batch = draw_batch(rows, input, &mut rng);
+                let mut noise = vec![0.0; rows * ACTION];
+                noise.fill_with(|| rng.sample(StandardNormal));
+                let name = BenchmarkId::new("fused", format!("{rows}x{input}/{threads}"));
+                group.bench_function(name, |bencher| {
+                    // The actor moves in every second update.
+                    bencher.iter(|| [(); 2].map(|()| engine.update(&batch, &noise)));
+                });
+            }
+        }
+    }
+}
+
+criterion_group!(benches, update);
+criterion_main!(benches);

@@ -1,0 +1,49 @@
+//! Flat buffers that start on a cache line.
+
+use std::ops::{Deref, DerefMut};
+
+/// Numbers in a cache line, and in the widest vector of any machine.
+pub(super) const LINE: usize = 16;
+
+/// The width of a matrix whose rows are whole vectors.
+pub(super) fn padded(width: usize) -> usize {
+    width.next_multiple_of(LINE)
+}
+
+/// A slice of fixed length whose first element starts a cache line.
+#[derive(Debug)]
+pub(super) struct Buffer {
+    memory: Vec<f32>,
+    start: usize,
+    length: usize,
+}
+
+impl Buffer {
+    pub(super) fn zeros(length: usize) -> Self {
+        let memory = vec![0.0_f32; length + LINE - 1];
+        let start = memory.as_ptr().align_offset(LINE * size_of::<f32>()).min(LINE - 1);
+        Self { memory, start, length }
+    }
+}
+
+impl From<&[f32]> for Buffer {
+    fn from(values: &[f32]) -> Self {
+        let mut buffer = Self::zeros(values.len());
+        buffer.copy_from_slice(values);
+        buffer
+    }
+}
+
+impl Deref for Buffer {
+    type Target = [f32];
+
+    fn deref(&self) -> &[f32] {
+        &self.memory[self.start..][..self.length]
+    }
+}
+
+impl DerefMut for Buffer {
+    fn deref_mut(&mut self) -> &mut [f32] {
+        &mut self.memory[self.start..][..self.length]
+    }
+}

@@ -1,0 +1,158 @@
+//! Matrix products on the micro-kernels of the `gemm` crate.
+//!
+//! The crate's own driver allocates in every call and packs operands that are laid out well here
+//! already, so this file walks over the tiles itself.
+#![expect(
+    unsafe_code,
+    reason = "the micro-kernels take pointers; `multiply` checks what they reach"
+)]
+
+use super::simd::Simd;
+use gemm_f32::microkernel;
+use pulp::Arch;
+
+/// The micro-kernels for one set of vector instructions.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Gemm {
+    /// By vectors in a tile's row, then by rows in a tile.
+    kernels: &'static [Kernel],
+    /// Rows in a full tile.
+    tile_rows: usize,
+    /// Numbers in a vector.
+    lanes: usize,
+}
+
+/// One product `out = left · right`.
+///
+/// Columns of `right` and `out` are next to each other; rows of `right` must be readable up to a
+/// whole number of vectors.
+pub(super) struct Product<'a> {
+    /// `[rows, depth]`.
+    pub(super) left: Left<'a>,
+    /// `[depth, columns]`, a row every `right_stride` numbers.
+    pub(super) right: &'a [f32],
+    pub(super) right_stride: usize,
+    /// `[rows, columns]`, a row every `out_stride` numbers.
+    pub(super) out: &'a mut [f32],
+    pub(super) out_stride: usize,
+    pub(super) rows: usize,
+    pub(super) depth: usize,
+    pub(super) columns: usize,
+}
+
+/// A matrix whose element (row, k) is at `row * row_stride + k * depth_stride`.
+#[derive(Clone, Copy)]
+pub(super) struct Left<'a> {
+    data: &'a [f32],
+    row_stride: usize,
+    depth_stride: usize,
+}
+
+impl<'a> Left<'a> {
+    /// A matrix that is stored by rows.
+    pub(super) fn rows(data: &'a [f32], stride: usize) -> Self {
+        Self { data, row_stride: stride, depth_stride: 1 }
+    }
+
+    /// The transpose of a matrix that is stored by rows.
+    pub(super) fn transposed(data: &'a [f32], stride: usize) -> Self {
+        Self { data, row_stride: 1, depth_stride: stride }
+    }
+}
+
+/// Rows and columns swapped: for the crate, columns of `right` are rows and lie next to each other.
+type Kernel = unsafe fn(
+    m: usize,
+    n: usize,
+    k: usize,
+    dst: *mut f32,
+    lhs: *const f32,
+    rhs: *const f32,
+    dst_cs: isize,
+    dst_rs: isize,
+    lhs_cs: isize,
+    rhs_rs: isize,
+    rhs_cs: isize,
+    alpha: f32,
+    beta: f32,
+    alpha_status: u8,
+    conj_dst: bool,
+    conj_lhs: bool,
+    conj_rhs: bool,
+    next_lhs: *const f32,
+);
+
+impl Gemm {
+    pub(super) fn new(simd: Simd) -> Self {
+        match simd.arch() {
+            #[cfg(target_arch = "x86_64")]
+            Arch::V4(_) => {
+                use microkernel::avx512f::f32::{MR_DIV_N, NR, UKR};
+                static KERNELS: [[Kernel; NR]; MR_DIV_N] = UKR;
+                Self { kernels: KERNELS.as_flattened(), tile_rows: NR, lanes: 16 }
+            }
+            #[cfg(target_arch = "x86_64")]
+            Arch::V3(_) => {
+                use microkernel::fma::f32::{MR_DIV_N, NR, UKR};
+                static KERNELS: [[Kernel; NR]; MR_DIV_N] = UKR;
+                Self { kernels: KERNELS.as_flattened(), tile_rows: NR, lanes: 8 }
+            }
+            #[cfg(target_arch = "aarch64")]
+            Arch::Neon(_) => {
+                use microkernel::neon::f32::{MR_DIV_N, NR, UKR};
+                static KERNELS: [[Kernel; NR]; MR_DIV_N] = UKR;
+                Self { kernels: KERNELS.as_flattened(), tile_rows: NR, lanes: 4 }
+            }
+            _ => {
+                use microkernel::scalar::f32::{MR_DIV_N, NR, UKR};
+                static KERNELS: [[Kernel; NR]; MR_DIV_N] = UKR;
+                Self { kernels: KERNELS.as_flattened(), tile_rows: NR, lanes: 1 }
+            }
+        }
+    }
+
+    /// Writes the product over `out`.
+    pub(super) fn multiply(&self, product: Product<'_>) {
+        let Product { left, right, right_stride, out, out_stride, rows, depth, columns } = product;
+        if rows == 0 || depth == 0 || columns == 0 {
+            return;
+        }
+        assert!((rows - 1) * left.row_stride + (depth - 1) * left.depth_stride < left.data.len());
+        assert!((depth - 1) * right_stride + columns.next_multiple_of(self.lanes) <= right.len());
+        assert!((rows - 1) * out_stride + columns <= out.len());
+
+        let tile_columns = self.kernels.len() / self.tile_rows * self.lanes;
+        for column in (0..columns).step_by(tile_columns) {
+            let width = tile_columns.min(columns - column);
+            let kernels = &self.kernels[(width.div_ceil(self.lanes) - 1) * self.tile_rows..];
+            for row in (0..rows).step_by(self.tile_rows) {
+                let height = self.tile_rows.min(rows - row);
+                // SAFETY: the table was chosen by a token that proves the instructions. The kernel
+                // reads `height` rows of `left` and `depth` rows of whole vectors of `right`, and
+                // writes `height` rows of `width` numbers of `out`: all inside by the assertions.
+                unsafe {
+                    kernels[height - 1](
+                        width,
+                        height,
+                        depth,
+                        out.as_mut_ptr().add(row * out_stride + column),
+                        right.as_ptr().add(column),
+                        left.data.as_ptr().add(row * left.row_stride),
+                        out_stride.cast_signed(),
+                        1,
+                        right_stride.cast_signed(),
+                        left.depth_stride.cast_signed(),
+                        left.row_stride.cast_signed(),
+                        0.0,
+                        1.0,
+                        0,
+                        false,
+                        false,
+                        false,
+                        std::ptr::null(),
+                    );
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,199 @@
+//! The learner on the CPU: explicit forward and backward passes over preallocated buffers.
+
+mod buffer;
+mod gemm;
+mod kernels;
+mod network;
+mod optimizer;
+mod pass;
+mod simd;
+mod slice;
+#[cfg(test)]
+mod tests;
+mod threads;
+
+use super::config::{AgentConfig, TargetEvery};
+use super::learner::{Engine, LearnerState, Losses};
+use crate::batch::Batch;
+use gemm::Gemm;
+use network::Network;
+use optimizer::Move;
+use pass::Machine;
+use rayon::ThreadPool;
+use simd::Simd;
+use slice::{Job, Slice, Sums};
+use threads::for_each;
+
+/// Rows of a slice whose activations stay in a core's own cache.
+const SLICE_ROWS: usize = 256;
+/// Rows from which a second slice pays for its share of the gradients.
+const PAIR_ROWS: usize = 128;
+/// Slices at most, for the memory of their gradients.
+const SLICES: usize = 16;
+
+/// Trains without an autodiff graph and, after the first update, without allocating.
+///
+/// A batch is cut in slices by its size alone, and their gradients are added in a fixed order:
+/// the results are the same bits for any number of threads.
+#[derive(Debug)]
+pub struct FusedEngine {
+    config: AgentConfig,
+    machine: Machine,
+    actor: Network,
+    critics: Vec<Network>,
+    updates: u64,
+    slices: Vec<Slice>,
+    /// `None` to work on the caller's thread.
+    pool: Option<ThreadPool>,
+}
+
+impl FusedEngine {
+    /// An engine on the caller's thread that continues from `state`.
+    pub fn from_state(config: &AgentConfig, state: LearnerState) -> Self {
+        Self::on(Simd::detect(), config, state)
+    }
+
+    fn on(simd: Simd, config: &AgentConfig, state: LearnerState) -> Self {
+        let LearnerState { actor, critics, updates } = state;
+        let inputs = actor.shape.inputs;
+        Self {
+            config: config.clone(),
+            machine: Machine { simd, gemm: Gemm::new(simd) },
+            actor: Network::new(actor, &(0..0), simd),
+            critics: critics
+                .into_iter()
+                .map(|critic| {
+                    let actions = inputs..critic.shape.inputs;
+                    Network::new(critic, &actions, simd)
+                })
+                .collect(),
+            updates,
+            slices: Vec::new(),
+            pool: None,
+        }
+    }
+
+    /// The same engine on `threads` threads of its own.
+    pub fn with_threads(mut self, threads: usize) -> Result<Self, rayon::ThreadPoolBuildError> {
+        self.pool = if threads > 1 {
+            let name = |index| format!("learner {index}");
+            Some(rayon::ThreadPoolBuilder::new().num_threads(threads).thread_name(name).build()?)
+        } else {
+            None
+        };
+        Ok(self)
+    }
+
+    /// Of one critic's loss in the last update, in the layout of its shape.
+    #[cfg(test)]
+    pub(crate) fn critic_gradient(&self, index: usize) -> Vec<f32> {
+        summed(self.slices.iter().map(|slice| &*slice.critic_gradients[index]))
+    }
+
+    /// Of the actor's loss when it last moved, in the layout of its shape.
+    #[cfg(test)]
+    pub(crate) fn actor_gradient(&self) -> Vec<f32> {
+        summed(self.slices.iter().map(|slice| &*slice.actor_gradient))
+    }
+
+    /// Cuts `rows` rows into slices, unless they already are.
+    fn cut(&mut self, rows: usize) {
+        if self.slices.last().is_some_and(|slice| slice.rows.end == rows) {
+            return;
+        }
+        let count = rows.div_ceil(SLICE_ROWS).max(rows.div_ceil(PAIR_ROWS).min(2)).min(SLICES);
+        self.slices = (0..count)
+            .map(|index| {
+                let rows = rows * index / count..rows * (index + 1) / count;
+                Slice::new(rows, &self.actor, &self.critics)
+            })
+            .collect();
+    }
+
+    fn update_slices(&mut self, batch: &Batch, noise: &[f32], parallel: bool) -> Losses {
+        let Self { config, machine, actor, critics, updates, slices, .. } = self;
+        let machine = *machine;
+        *updates += 1;
+        let actor_moves = updates.is_multiple_of(config.policy_delay);
+        let targets_move = actor_moves && config.target_every == TargetEvery::Update;
+        let target_rate = targets_move.then_some(config.target_rate);
+
+        // targets   y from the target networks, slice by slice
+        // critics   forward and backward slice by slice, then Adam on the slices' sum
+        // actor     every `policy_delay` updates: through the first critic, then the same way
+        // targets   move in the same pass as Adam
+        let job = Job { machine, config, actor, critics, batch, noise };
+        for_each(parallel, slices, &|_, slice| slice.critics(job));
+
+        let how = Move { learning_rate: config.critic_learning_rate, target_rate, parallel };
+        for_each(parallel, critics, &|index, critic| {
+            critic.step(machine, how, slices.iter().map(|slice| &*slice.critic_gradients[index]));
+        });
+
+        if actor_moves {
+            let job = Job { machine, config, actor, critics, batch, noise };
+            for_each(parallel, slices, &|_, slice| slice.actor(job));
+
+            let how = Move { learning_rate: config.actor_learning_rate, target_rate, parallel };
+            actor.step(machine, how, slices.iter().map(|slice| &*slice.actor_gradient));
+        }
+
+        let sums = slices.iter().map(|slice| slice.sums).fold(Sums::NONE, Sums::plus);
+        let rows = batch.rows() as f64;
+        Losses {
+            critic: (sums.squared_errors / rows) as f32,
+            actor: actor_moves.then(|| {
+                let mean_square = sums.squared_actions / (rows * batch.action as f64);
+                (f64::from(config.action_l2) * mean_square - sums.q_of_actor / rows) as f32
+            }),
+            q_mean: (sums.q / rows) as f32,
+            q_min: sums.q_min,
+            q_max: sums.q_max,
+            critic_gradient: critics.iter().map(|critic| critic.squared_norm).sum::<f64>().sqrt()
+                as f32,
+            actor_gradient: actor_moves.then(|| actor.squared_norm.sqrt() as f32),
+        }
+    }
+}
+
+impl Engine for FusedEngine {
+    fn update(&mut self, batch: &Batch, noise: &[f32]) -> Losses {
+        self.cut(batch.rows());
+        match self.pool.take() {
+            Some(pool) => {
+                let losses = pool.install(|| self.update_slices(batch, noise, true));
+                self.pool = Some(pool);
+                losses
+            }
+            None => self.update_slices(batch, noise, false),
+        }
+    }
+
+    fn move_targets(&mut self) {
+        for network in self.critics.iter_mut().chain([&mut self.actor]) {
+            network.move_target(self.machine, self.config.target_rate);
+        }
+    }
+
+    fn actor(&mut self) -> &[f32] {
+        &self.actor.online.flat
+    }
+
+    fn state(&mut self) -> LearnerState {
+        LearnerState {
+            actor: self.actor.trained(),
+            critics: self.critics.iter().map(Network::trained).collect(),
+            updates: self.updates,
+        }
+    }
+}
+
+#[cfg(test)]
+fn summed<'a>(gradients: impl Iterator<Item = &'a [f32]>) -> Vec<f32> {
+    let mut sum = Vec::new();
+    for gradient in gradients {
+        sum.resize(gradient.len(), 0.0);
+        kernels::add(&mut sum, gradient);
+    }
+    sum
+}

@@ -1,0 +1,149 @@
+//! The parameters of one trained network, with the copies that the matrix products want.
+
+use super::buffer::{Buffer, LINE, padded};
+use super::kernels;
+use super::simd::Simd;
+use crate::agent::learner::Trained;
+use crate::agent::network::{Layer, Shape};
+use std::ops::Range;
+
+/// A layer and where its copies are.
+#[derive(Clone, Debug)]
+pub(super) struct Dense {
+    pub(super) layer: Layer,
+    /// In `narrow`, when a row of the weight is no whole number of vectors: `[inputs, stride]`.
+    narrow: Option<Range<usize>>,
+    /// In `transposed`: `[outputs, padded(rows)]` for the rows of the weight whose input's gradient
+    /// somebody wants.
+    transposed: Range<usize>,
+    transposed_rows: Range<usize>,
+}
+
+impl Dense {
+    /// Numbers from one row of the output to the next.
+    pub(super) fn stride(&self) -> usize {
+        padded(self.layer.outputs)
+    }
+
+    /// Numbers from one row of the transposed weight to the next.
+    pub(super) fn transposed_stride(&self) -> usize {
+        padded(self.transposed_rows.len())
+    }
+}
+
+/// Parameters in the layout of their [`Shape`], and copies of some of them.
+#[derive(Debug)]
+pub(super) struct Parameters {
+    pub(super) flat: Buffer,
+    narrow: Buffer,
+}
+
+impl Parameters {
+    fn new(flat: &[f32], layers: &[Dense]) -> Self {
+        let narrow = layers.iter().filter_map(|dense| dense.narrow.as_ref()).map(Range::len).sum();
+        let mut parameters = Self { flat: Buffer::from(flat), narrow: Buffer::zeros(narrow) };
+        parameters.copy_narrow(layers);
+        parameters
+    }
+
+    /// The weight of a layer, `[inputs, outputs]` with [`Dense::stride`].
+    pub(super) fn weight(&self, dense: &Dense) -> &[f32] {
+        match &dense.narrow {
+            Some(range) => &self.narrow[range.clone()],
+            None => &self.flat[dense.layer.weight.clone()],
+        }
+    }
+
+    /// After any change of `flat`.
+    pub(super) fn copy_narrow(&mut self, layers: &[Dense]) {
+        for dense in layers {
+            let Some(range) = &dense.narrow else { continue };
+            let from = self.flat[dense.layer.weight.clone()].chunks_exact(dense.layer.outputs);
+            let to = self.narrow[range.clone()].chunks_exact_mut(dense.stride());
+            for (to, from) in to.zip(from) {
+                to[..from.len()].copy_from_slice(from);
+            }
+        }
+    }
+}
+
+/// A network that is trained, its target and its optimiser.
+#[derive(Debug)]
+pub(super) struct Network {
+    pub(super) shape: Shape,
+    pub(super) layers: Vec<Dense>,
+    pub(super) online: Parameters,
+    pub(super) target: Parameters,
+    pub(super) first_moment: Buffer,
+    pub(super) second_moment: Buffer,
+    pub(super) steps: u64,
+    /// Of the last gradient's L2 norm.
+    pub(super) squared_norm: f64,
+    /// Transposed weights of `online`.
+    transposed: Buffer,
+}
+
+impl Network {
+    /// `differentiated` are the inputs whose gradient somebody wants.
+    pub(super) fn new(trained: Trained, differentiated: &Range<usize>, simd: Simd) -> Self {
+        let Trained { shape, online, target, first_moment, second_moment, steps } = trained;
+        let (mut narrow_end, mut transposed_end) = (0, 0);
+        let layers: Vec<Dense> = shape
+            .layers()
+            .into_iter()
+            .enumerate()
+            .map(|(index, layer)| {
+                let narrow = (!layer.outputs.is_multiple_of(LINE)).then(|| {
+                    let start = narrow_end;
+                    narrow_end += layer.inputs * padded(layer.outputs);
+                    start..narrow_end
+                });
+                let rows = if index == 0 { differentiated.clone() } else { 0..layer.inputs };
+                let start = transposed_end;
+                transposed_end += layer.outputs * padded(rows.len());
+                Dense { layer, narrow, transposed: start..transposed_end, transposed_rows: rows }
+            })
+            .collect();
+        let mut network = Self {
+            online: Parameters::new(&online, &layers),
+            target: Parameters::new(&target, &layers),
+            first_moment: Buffer::from(&*first_moment),
+            second_moment: Buffer::from(&*second_moment),
+            transposed: Buffer::zeros(transposed_end),
+            shape,
+            layers,
+            steps,
+            squared_norm: 0.0,
+        };
+        network.copy_online(simd);
+        network
+    }
+
+    /// After any change of the online parameters.
+    pub(super) fn copy_online(&mut self, simd: Simd) {
+        let Self { layers, online, transposed, .. } = self;
+        online.copy_narrow(layers);
+        for Dense { layer, transposed: range, transposed_rows: rows, .. } in &*layers {
+            let from = &online.flat[layer.weight.clone()]
+                [rows.start * layer.outputs..rows.end * layer.outputs];
+            let to = &mut transposed[range.clone()];
+            simd.run(|| kernels::transpose(from, layer.outputs, to, padded(rows.len())));
+        }
+    }
+
+    /// The transposed weight of a layer, `[outputs, wanted inputs]`.
+    pub(super) fn transposed(&self, dense: &Dense) -> &[f32] {
+        &self.transposed[dense.transposed.clone()]
+    }
+
+    pub(super) fn trained(&self) -> Trained {
+        Trained {
+            shape: self.shape.clone(),
+            online: self.online.flat.to_vec(),
+            target: self.target.flat.to_vec(),
+            first_moment: self.first_moment.to_vec(),
+            second_moment: self.second_moment.to_vec(),
+            steps: self.steps,
+        }
+    }
+}

@@ -1,0 +1,244 @@
+//! Forward and backward passes of one network over some rows.
+
+use super::buffer::Buffer;
+use super::gemm::{Gemm, Left, Product};
+use super::kernels::{self, Norm};
+use super::network::{Dense, Network, Parameters};
+use super::simd::Simd;
+
+/// What the passes run on.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Machine {
+    pub(super) simd: Simd,
+    pub(super) gemm: Gemm,
+}
+
+/// Rows of a matrix, one every `stride` numbers.
+#[derive(Clone, Copy)]
+pub(super) struct Rows<'a> {
+    pub(super) data: &'a [f32],
+    pub(super) stride: usize,
+}
+
+/// What a forward pass leaves for the backward pass.
+#[derive(Debug)]
+pub(super) struct Trace {
+    layers: Vec<LayerTrace>,
+}
+
+#[derive(Debug)]
+struct LayerTrace {
+    /// After the activation, `[rows, stride]`.
+    output: Buffer,
+    /// Before scale and shift, `[rows, stride]`; empty without layer normalisation.
+    normal: Buffer,
+    /// `[rows]`; empty without layer normalisation.
+    inverse_deviation: Buffer,
+}
+
+impl Trace {
+    pub(super) fn new(layers: &[Dense], rows: usize) -> Self {
+        let layers = layers
+            .iter()
+            .map(|dense| {
+                let normalised = if dense.layer.norm.is_some() { rows } else { 0 };
+                LayerTrace {
+                    output: Buffer::zeros(rows * dense.stride()),
+                    normal: Buffer::zeros(normalised * dense.stride()),
+                    inverse_deviation: Buffer::zeros(normalised),
+                }
+            })
+            .collect();
+        Self { layers }
+    }
+
+    /// What the network said, `[rows, stride of the last layer]`.
+    pub(super) fn output(&self) -> &[f32] {
+        &self.layers[self.layers.len() - 1].output
+    }
+
+    pub(super) fn output_mut(&mut self) -> &mut [f32] {
+        let last = self.layers.len() - 1;
+        &mut self.layers[last].output
+    }
+}
+
+/// Gradients of a layer's output and of the one before it, `[rows, stride]` each.
+#[derive(Debug)]
+pub(super) struct Deltas {
+    current: Buffer,
+    previous: Buffer,
+}
+
+impl Deltas {
+    pub(super) fn new<'a>(layers: impl Iterator<Item = &'a Dense>, rows: usize) -> Self {
+        let length = rows * layers.map(Dense::stride).max().unwrap_or(0);
+        Self { current: Buffer::zeros(length), previous: Buffer::zeros(length) }
+    }
+
+    /// Where the gradient of the network's output goes, `[rows, stride of the last layer]`.
+    pub(super) fn output_mut(&mut self) -> &mut [f32] {
+        &mut self.current
+    }
+}
+
+impl Network {
+    /// Leaves the network's output for `input` in `trace`.
+    pub(super) fn forward(
+        &self,
+        machine: Machine,
+        parameters: &Parameters,
+        input: Rows<'_>,
+        rows: usize,
+        trace: &mut Trace,
+    ) {
+        let last = self.layers.len() - 1;
+        for (index, dense) in self.layers.iter().enumerate() {
+            let (before, after) = trace.layers.split_at_mut(index);
+            let LayerTrace { output, normal, inverse_deviation } = &mut after[0];
+            let (layer, stride) = (&dense.layer, dense.stride());
+            let input = match before.last() {
+                Some(trace) => {
+                    Rows { data: &trace.output, stride: self.layers[index - 1].stride() }
+                }
+                None => input,
+            };
+            machine.gemm.multiply(Product {
+                left: Left::rows(input.data, input.stride),
+                right: parameters.weight(dense),
+                right_stride: stride,
+                out: if layer.norm.is_some() { normal } else { output },
+                out_stride: stride,
+                rows,
+                depth: layer.inputs,
+                columns: stride,
+            });
+            let bias = &parameters.flat[layer.bias.clone()];
+            if let Some((scale, shift)) = &layer.norm {
+                let norm = Norm {
+                    scale: &parameters.flat[scale.clone()],
+                    shift: &parameters.flat[shift.clone()],
+                };
+                machine.simd.run(|| {
+                    kernels::normalise_and_rectify(
+                        normal,
+                        output,
+                        stride,
+                        inverse_deviation,
+                        bias,
+                        &norm,
+                    );
+                });
+            } else if index < last {
+                machine.simd.run(|| kernels::add_bias_and_rectify(output, stride, bias));
+            } else {
+                machine.simd.run(|| kernels::add_bias(output, stride, bias));
+            }
+        }
+    }
+
+    /// Writes the gradient of every parameter, from the gradient of the output in `deltas`.
+    pub(super) fn backward(
+        &self,
+        machine: Machine,
+        input: Rows<'_>,
+        rows: usize,
+        trace: &Trace,
+        deltas: &mut Deltas,
+        gradient: &mut [f32],
+    ) {
+        let last = self.layers.len() - 1;
+        for (index, dense) in self.layers.iter().enumerate().rev() {
+            let (layer, stride) = (&dense.layer, dense.stride());
+            let (weight, vectors) = gradient[layer.weight.start..].split_at_mut(layer.weight.len());
+            let (bias, vectors) = vectors.split_at_mut(layer.outputs);
+            let delta = &mut deltas.current[..rows * stride];
+            if let Some((scale, _)) = &layer.norm {
+                let (scale_gradient, vectors) = vectors.split_at_mut(layer.outputs);
+                let shift_gradient = &mut vectors[..layer.outputs];
+                let LayerTrace { output, normal, inverse_deviation } = &trace.layers[index];
+                let scale = &self.online.flat[scale.clone()];
+                machine.simd.run(|| {
+                    kernels::mask_and_sum(delta, output, stride, shift_gradient);
+                    kernels::sum_products(delta, normal, stride, scale_gradient);
+                    kernels::normalise_backward(delta, normal, stride, inverse_deviation, scale);
+                    kernels::sum_rows(delta, stride, bias);
+                });
+            } else if index < last {
+                let output = &trace.layers[index].output;
+                machine.simd.run(|| kernels::mask_and_sum(delta, output, stride, bias));
+            } else {
+                machine.simd.run(|| kernels::sum_rows(delta, stride, bias));
+            }
+            let input = match index.checked_sub(1) {
+                Some(before) => Rows {
+                    data: &trace.layers[before].output,
+                    stride: self.layers[before].stride(),
+                },
+                None => input,
+            };
+            machine.gemm.multiply(Product {
+                left: Left::transposed(input.data, input.stride),
+                right: delta,
+                right_stride: stride,
+                out: weight,
+                out_stride: layer.outputs,
+                rows: layer.inputs,
+                depth: rows,
+                columns: layer.outputs,
+            });
+            if index > 0 {
+                self.step_back(machine, dense, rows, deltas);
+            }
+        }
+    }
+
+    /// Writes the gradient of the differentiated inputs, `[rows, padded]`, and no other.
+    pub(super) fn backward_to_input(
+        &self,
+        machine: Machine,
+        rows: usize,
+        trace: &Trace,
+        deltas: &mut Deltas,
+        input_gradient: &mut [f32],
+    ) {
+        let last = self.layers.len() - 1;
+        for (index, dense) in self.layers.iter().enumerate().rev() {
+            let (layer, stride) = (&dense.layer, dense.stride());
+            let delta = &mut deltas.current[..rows * stride];
+            if index < last {
+                let LayerTrace { output, normal, inverse_deviation } = &trace.layers[index];
+                machine.simd.run(|| kernels::mask(delta, output));
+                if let Some((scale, _)) = &layer.norm {
+                    let scale = &self.online.flat[scale.clone()];
+                    machine.simd.run(|| {
+                        kernels::normalise_backward(
+                            delta,
+                            normal,
+                            stride,
+                            inverse_deviation,
+                            scale,
+                        );
+                    });
+                }
+            }
+            self.step_back(machine, dense, rows, deltas);
+        }
+        input_gradient.copy_from_slice(&deltas.current[..input_gradient.len()]);
+    }
+
+    /// From the gradient of a layer's affine map to that of its input.
+    fn step_back(&self, machine: Machine, dense: &Dense, rows: usize, deltas: &mut Deltas) {
+        machine.gemm.multiply(Product {
+            left: Left::rows(&deltas.current, dense.stride()),
+            right: self.transposed(dense),
+            right_stride: dense.transposed_stride(),
+            out: &mut deltas.previous,
+            out_stride: dense.transposed_stride(),
+            rows,
+            depth: dense.layer.outputs,
+            columns: dense.transposed_stride(),
+        });
+        std::mem::swap(&mut deltas.current, &mut deltas.previous);
+    }
+}

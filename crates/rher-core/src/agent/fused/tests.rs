@@ -1,0 +1,396 @@
+use super::{FusedEngine, Simd};
+use crate::agent::config::{AgentConfig, EngineKind, Init, TargetEvery};
+use crate::agent::learner::{
+    BETA_1, BETA_2, EPSILON, Engine as _, LearnerState, Losses, NORM_EPSILON, Trained,
+};
+use crate::agent::network::Shape;
+use crate::batch::Batch;
+use rand::{Rng, RngExt as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::StandardNormal;
+
+const INPUT: usize = 7;
+const ACTION: usize = 3;
+
+fn td3() -> AgentConfig {
+    AgentConfig {
+        engine: EngineKind::Fused,
+        hidden: vec![13, 9],
+        init: Init::FanIn,
+        critics: 2,
+        critic_layer_norm: false,
+        policy_delay: 2,
+        target_noise: 0.2,
+        target_noise_clip: 0.3,
+        discount: 0.9,
+        action_l2: 0.5,
+        actor_learning_rate: 1e-3,
+        critic_learning_rate: 2e-3,
+        target_rate: 0.1,
+        target_every: TargetEvery::Update,
+    }
+}
+
+/// Every switch at least once on each side.
+fn variants() -> Vec<AgentConfig> {
+    vec![
+        td3(),
+        AgentConfig {
+            init: Init::Xavier,
+            critics: 1,
+            policy_delay: 1,
+            target_noise: 0.0,
+            action_l2: 0.0,
+            target_every: TargetEvery::Episode,
+            ..td3()
+        },
+        AgentConfig { critic_layer_norm: true, ..td3() },
+        AgentConfig { hidden: vec![64, 16, 80], policy_delay: 1, ..td3() },
+        AgentConfig { hidden: vec![], critic_layer_norm: true, policy_delay: 1, ..td3() },
+    ]
+}
+
+fn normals(count: usize, rng: &mut impl Rng) -> Vec<f32> {
+    (0..count).map(|_| rng.sample(StandardNormal)).collect()
+}
+
+fn draw_batch(rows: usize, rng: &mut impl Rng) -> Batch {
+    Batch {
+        inputs: normals(rows * INPUT, rng),
+        actions: (0..rows * ACTION).map(|_| rng.random_range(-1.0..1.0)).collect(),
+        rewards: (0..rows).map(|_| -f32::from(rng.random_bool(0.7))).collect(),
+        next_inputs: normals(rows * INPUT, rng),
+        input: INPUT,
+        action: ACTION,
+    }
+}
+
+/// A learner whose targets and biases are not what a fresh one starts with.
+fn draw_state(config: &AgentConfig, rng: &mut impl Rng) -> LearnerState {
+    let mut state = LearnerState::new(config, INPUT, ACTION, rng);
+    for trained in state.critics.iter_mut().chain([&mut state.actor]) {
+        for x in trained.online.iter_mut().chain(&mut trained.target) {
+            *x += rng.random_range(-0.1..0.1);
+        }
+    }
+    state
+}
+
+/// The network's outputs for rows of inputs, in double precision and one number at a time.
+fn reference(shape: &Shape, parameters: &[f64], inputs: &[f64]) -> Vec<f64> {
+    let mut rows = inputs.to_vec();
+    let layers = shape.layers();
+    for (index, layer) in layers.iter().enumerate() {
+        let (weight, bias) = (&parameters[layer.weight.clone()], &parameters[layer.bias.clone()]);
+        let mut next = Vec::new();
+        for row in rows.chunks_exact(layer.inputs) {
+            let mut said: Vec<f64> = (0..layer.outputs)
+                .map(|out| {
+                    let products =
+                        row.iter().enumerate().map(|(k, x)| x * weight[k * layer.outputs + out]);
+                    bias[out] + products.sum::<f64>()
+                })
+                .collect();
+            if let Some((scale, shift)) = &layer.norm {
+                let width = said.len() as f64;
+                let mean = said.iter().sum::<f64>() / width;
+                let variance = said.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / width;
+                let deviation = (variance + f64::from(NORM_EPSILON)).sqrt();
+                for (out, x) in said.iter_mut().enumerate() {
+                    *x = (*x - mean) / deviation * parameters[scale.start + out]
+                        + parameters[shift.start + out];
+                }
+            }
+            if index + 1 < layers.len() {
+                said.iter_mut().for_each(|x| *x = x.max(0.0));
+            }
+            next.extend(said);
+        }
+        rows = next;
+    }
+    rows
+}
+
+fn doubles(values: &[f32]) -> Vec<f64> {
+    values.iter().copied().map(f64::from).collect()
+}
+
+fn side_by_side(states: &[f32], actions: &[f64]) -> Vec<f64> {
+    states
+        .chunks_exact(INPUT)
+        .zip(actions.chunks_exact(ACTION))
+        .flat_map(|(state, action)| doubles(state).into_iter().chain(action.iter().copied()))
+        .collect()
+}
+
+fn mean(values: impl ExactSizeIterator<Item = f64>) -> f64 {
+    let count = values.len() as f64;
+    values.sum::<f64>() / count
+}
+
+fn bellman_targets(
+    config: &AgentConfig,
+    state: &LearnerState,
+    batch: &Batch,
+    noise: &[f32],
+) -> Vec<f64> {
+    let said =
+        reference(&state.actor.shape, &doubles(&state.actor.target), &doubles(&batch.next_inputs));
+    let actions: Vec<f64> = said
+        .iter()
+        .zip(noise)
+        .map(|(said, noise)| {
+            let clip = f64::from(config.target_noise_clip);
+            let shake = (f64::from(config.target_noise) * f64::from(*noise)).clamp(-clip, clip);
+            (said.tanh() + shake).clamp(-1.0, 1.0)
+        })
+        .collect();
+    let inputs = side_by_side(&batch.next_inputs, &actions);
+    let values: Vec<Vec<f64>> = state
+        .critics
+        .iter()
+        .map(|critic| reference(&critic.shape, &doubles(&critic.target), &inputs))
+        .collect();
+    (0..batch.rows())
+        .map(|row| {
+            let least = values.iter().map(|q| q[row]).fold(f64::INFINITY, f64::min);
+            (f64::from(batch.rewards[row]) + f64::from(config.discount) * least)
+                .clamp(f64::from(config.lowest_return()), 0.0)
+        })
+        .collect()
+}
+
+fn critic_loss(shape: &Shape, parameters: &[f64], batch: &Batch, targets: &[f64]) -> f64 {
+    let inputs = side_by_side(&batch.inputs, &doubles(&batch.actions));
+    let values = reference(shape, parameters, &inputs);
+    mean(values.iter().zip(targets).map(|(q, y)| (q - y).powi(2)))
+}
+
+fn actor_loss(
+    config: &AgentConfig,
+    shape: &Shape,
+    parameters: &[f64],
+    critic: &Trained,
+    batch: &Batch,
+) -> f64 {
+    let mut actions = reference(shape, parameters, &doubles(&batch.inputs));
+    actions.iter_mut().for_each(|x| *x = x.tanh());
+    let inputs = side_by_side(&batch.inputs, &actions);
+    let values = reference(&critic.shape, &doubles(&critic.online), &inputs);
+    let mean_square = mean(actions.iter().map(|a| a.powi(2)));
+    f64::from(config.action_l2) * mean_square - mean(values.into_iter())
+}
+
+/// Central differences.
+fn gradient_of(parameters: &[f32], loss: impl Fn(&[f64]) -> f64) -> Vec<f64> {
+    const STEP: f64 = 1e-7;
+    let mut parameters = doubles(parameters);
+    (0..parameters.len())
+        .map(|index| {
+            let here = parameters[index];
+            parameters[index] = here + STEP;
+            let above = loss(&parameters);
+            parameters[index] = here - STEP;
+            let below = loss(&parameters);
+            parameters[index] = here;
+            (above - below) / (2.0 * STEP)
+        })
+        .collect()
+}
+
+fn norm(values: impl Iterator<Item = f64>) -> f64 {
+    values.map(|x| x.powi(2)).sum::<f64>().sqrt()
+}
+
+/// Every tensor by itself, so that no small one hides behind a large one.
+fn assert_tensors_close(shape: &Shape, found: &[f32], expected: &[f64], tolerance: f64) {
+    for tensor in shape.tensors() {
+        let (found, expected) =
+            (doubles(&found[tensor.range.clone()]), &expected[tensor.range.clone()]);
+        let error = norm(found.iter().zip(expected).map(|(x, y)| x - y));
+        let size = norm(expected.iter().copied());
+        assert!(
+            error <= tolerance * size + 1e-6,
+            "{}: {error} of {size}\n{found:?}\n{expected:?}",
+            tensor.name
+        );
+    }
+}
+
+fn assert_close(found: f32, expected: f64) {
+    let found = f64::from(found);
+    assert!((found - expected).abs() <= 1e-5 * expected.abs().max(1.0), "{found} is no {expected}");
+}
+
+#[test]
+fn gradients_are_those_of_a_plain_reference() {
+    for (seed, config) in variants().iter().enumerate() {
+        for rows in [1, 5, 37, 300] {
+            let mut rng = ChaCha8Rng::seed_from_u64(seed as u64);
+            let before = draw_state(config, &mut rng);
+            let mut engine = FusedEngine::from_state(config, before.clone());
+            let batch = draw_batch(rows, &mut rng);
+            let noise = normals(rows * ACTION, &mut rng);
+            // The other parity of a delayed actor.
+            engine.updates = config.policy_delay - 1;
+            let losses = engine.update(&batch, &noise);
+            let after = engine.state();
+
+            let targets = bellman_targets(config, &before, &batch, &noise);
+            let mut critics_loss = 0.0;
+            for (index, critic) in before.critics.iter().enumerate() {
+                let loss = |p: &[f64]| critic_loss(&critic.shape, p, &batch, &targets);
+                critics_loss += loss(&doubles(&critic.online));
+                let expected = gradient_of(&critic.online, loss);
+                let found = engine.critic_gradient(index);
+                assert_tensors_close(&critic.shape, &found, &expected, 1e-4);
+            }
+            assert_close(losses.critic, critics_loss);
+
+            let shape = &before.actor.shape;
+            let loss = |p: &[f64]| actor_loss(config, shape, p, &after.critics[0], &batch);
+            let expected = gradient_of(&before.actor.online, loss);
+            assert_tensors_close(shape, &engine.actor_gradient(), &expected, 1e-4);
+            assert_close(losses.actor.unwrap(), loss(&doubles(&before.actor.online)));
+            assert_close(losses.actor_gradient.unwrap(), norm(expected.into_iter()));
+        }
+    }
+}
+
+/// One Adam step and one step of the target, in double precision.
+fn assert_stepped(before: &Trained, after: &Trained, gradient: &[f32], rates: (f32, Option<f32>)) {
+    assert_eq!(after.steps, before.steps + 1);
+    let (learning_rate, target_rate) = rates;
+    let steps = after.steps as f64;
+    for (index, g) in gradient.iter().copied().map(f64::from).enumerate() {
+        let decay = |old: f32, new: f64, beta: f32| {
+            let beta = f64::from(beta);
+            f64::from(old) * beta + (1.0 - beta) * new
+        };
+        let m = decay(before.first_moment[index], g, BETA_1);
+        let v = decay(before.second_moment[index], g * g, BETA_2);
+        assert!((f64::from(after.first_moment[index]) - m).abs() <= 1e-5 * m.abs() + 1e-9);
+        assert!((f64::from(after.second_moment[index]) - v).abs() <= 1e-4 * v.abs() + 1e-12);
+        let m = m / (1.0 - f64::from(BETA_1).powf(steps));
+        let v = v / (1.0 - f64::from(BETA_2).powf(steps));
+        let step = f64::from(learning_rate) * m / (v.sqrt() + f64::from(EPSILON));
+        let online = f64::from(before.online[index]) - step;
+        assert_close(after.online[index], online);
+        let target = f64::from(before.target[index]);
+        let rate = f64::from(target_rate.unwrap_or(0.0));
+        assert_close(after.target[index], target + rate * (online - target));
+    }
+}
+
+#[test]
+fn parameters_and_targets_move_as_adam_and_the_settings_say() {
+    for (seed, config) in variants().iter().enumerate() {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed as u64);
+        let mut before = draw_state(config, &mut rng);
+        let mut engine = FusedEngine::from_state(config, before.clone());
+        for update in 1..=4 {
+            let batch = draw_batch(150, &mut rng);
+            let losses = engine.update(&batch, &normals(150 * ACTION, &mut rng));
+            let after = engine.state();
+            assert_eq!(after.updates, update);
+            let actor_moves = update % config.policy_delay == 0;
+            let targets_move = actor_moves && config.target_every == TargetEvery::Update;
+            let target_rate = targets_move.then_some(config.target_rate);
+            for index in 0..config.critics {
+                let (before, after) = (&before.critics[index], &after.critics[index]);
+                let rates = (config.critic_learning_rate, target_rate);
+                assert_stepped(before, after, &engine.critic_gradient(index), rates);
+            }
+            assert_eq!(losses.actor.is_some(), actor_moves);
+            if actor_moves {
+                let rates = (config.actor_learning_rate, target_rate);
+                assert_stepped(&before.actor, &after.actor, &engine.actor_gradient(), rates);
+            } else {
+                assert_eq!(before.actor, after.actor);
+            }
+            before = after;
+        }
+        engine.move_targets();
+        for (before, after) in before.critics.iter().zip(engine.state().critics) {
+            for ((old, new), online) in before.target.iter().zip(after.target).zip(after.online) {
+                let rate = f64::from(config.target_rate);
+                assert_close(new, f64::from(*old) + rate * f64::from(online - old));
+            }
+        }
+    }
+}
+
+fn train(engine: &mut FusedEngine, rows: usize, updates: usize) -> (LearnerState, Losses) {
+    let mut rng = ChaCha8Rng::seed_from_u64(9);
+    let mut losses = Losses::default();
+    for _ in 0..updates {
+        let batch = draw_batch(rows, &mut rng);
+        losses = engine.update(&batch, &normals(rows * ACTION, &mut rng));
+    }
+    (engine.state(), losses)
+}
+
+#[test]
+fn results_do_not_depend_on_the_number_of_threads() {
+    let config = AgentConfig { hidden: vec![256, 256], critic_layer_norm: true, ..td3() };
+    let state = draw_state(&config, &mut ChaCha8Rng::seed_from_u64(1));
+    for rows in [200, 700] {
+        let mut alone = FusedEngine::from_state(&config, state.clone());
+        let expected = train(&mut alone, rows, 4);
+        for threads in [1, 2, 3] {
+            let engine = FusedEngine::from_state(&config, state.clone());
+            let mut engine = engine.with_threads(threads).unwrap();
+            assert_eq!(train(&mut engine, rows, 4), expected);
+        }
+    }
+}
+
+#[test]
+fn a_machine_without_vector_instructions_learns_the_same() {
+    for config in variants() {
+        let state = draw_state(&config, &mut ChaCha8Rng::seed_from_u64(2));
+        let mut here = FusedEngine::from_state(&config, state.clone());
+        let mut portable = FusedEngine::on(Simd::portable(), &config, state);
+        train(&mut here, 50, 1);
+        train(&mut portable, 50, 1);
+        for index in 0..config.critics {
+            let expected = doubles(&here.critic_gradient(index));
+            let shape = &here.critics[index].shape;
+            assert_tensors_close(shape, &portable.critic_gradient(index), &expected, 1e-5);
+        }
+    }
+}
+
+#[test]
+fn a_saved_state_continues_with_the_same_bits() {
+    let config = td3();
+    let mut engine =
+        FusedEngine::from_state(&config, draw_state(&config, &mut ChaCha8Rng::seed_from_u64(3)));
+    let (saved, _) = train(&mut engine, 64, 3);
+    let mut restored = FusedEngine::from_state(&config, saved);
+    assert_eq!(train(&mut engine, 64, 3), train(&mut restored, 64, 3));
+}
+
+#[test]
+fn a_batch_of_another_size_may_follow() {
+    let config = td3();
+    let state = draw_state(&config, &mut ChaCha8Rng::seed_from_u64(4));
+    let mut engine = FusedEngine::from_state(&config, state.clone());
+    train(&mut engine, 300, 1);
+    let (_, losses) = train(&mut engine, 20, 1);
+    assert!(losses.is_finite());
+}
+
+#[test]
+fn numbers_that_are_none_are_reported_and_stop_nothing() {
+    let config = td3();
+    let mut rng = ChaCha8Rng::seed_from_u64(5);
+    for nonsense in [f32::NAN, f32::INFINITY] {
+        let mut engine = FusedEngine::from_state(&config, draw_state(&config, &mut rng));
+        let mut batch = draw_batch(40, &mut rng);
+        batch.inputs[17] = nonsense;
+        let noise = normals(40 * ACTION, &mut rng);
+        assert!(!engine.update(&batch, &noise).is_finite());
+        assert!(!engine.update(&batch, &noise).is_finite());
+    }
+}

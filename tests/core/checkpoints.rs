@@ -1,0 +1,165 @@
+//! A run that is stopped and resumed is the run that was never stopped.
+
+use crate::toy::{Lines, Magnet, small};
+use rher_core::checkpoint::CheckpointError;
+use rher_core::config::{BatchMode, TrainConfig};
+use rher_core::event::{Event, Metrics, Observer, ObserverError};
+use rher_core::train::{Finish, TrainError, Trainer};
+use std::fs;
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+fn config() -> TrainConfig {
+    let mut config = small("magnet", 2);
+    config.agent.hidden = vec![8, 8];
+    config.agent.critics = 2;
+    config.agent.target_noise = 0.2;
+    config.agent.policy_delay = 2;
+    config.replay.batch_size = 8;
+    config.replay.batch_mode = BatchMode::Separate;
+    config.replay.updates_per_episode = 3;
+    // Few enough that episodes are overwritten within the run.
+    config.replay.capacity = 25 * 25;
+    config.exploration.adjust_to_success = true;
+    config.exploration.success_threshold = 0.05;
+    config.evaluation.episodes = 4;
+    config.evaluation.subtask_episodes = 3;
+    config.env_steps = 60 * 25;
+    config
+}
+
+fn envs(count: usize) -> Vec<Magnet<2>> {
+    (0..count).map(|_| Magnet::new()).collect()
+}
+
+fn straight(config: TrainConfig, workers: usize) -> (Vec<Metrics>, Vec<u8>) {
+    let folder = tempfile::tempdir().unwrap();
+    let mut lines = Lines::default();
+    let envs = envs(workers.max(config.envs));
+    let mut trainer = Trainer::new(config, envs, workers).unwrap();
+    let finish = trainer.run(Some(folder.path()), &mut lines, &AtomicBool::new(false)).unwrap();
+    assert_eq!(finish, Finish::StepsSpent);
+    (lines.timeless(), fs::read(folder.path().join("policy.safetensors")).unwrap())
+}
+
+/// Sets the flag after some episodes.
+struct StopAfter<'a> {
+    episodes: u64,
+    stop: &'a AtomicBool,
+    lines: Lines,
+}
+
+impl Observer for StopAfter<'_> {
+    fn on(&mut self, event: &Event) -> Result<(), ObserverError> {
+        if let Event::Progress(progress) = event
+            && progress.episodes >= self.episodes
+        {
+            self.stop.store(true, Ordering::Relaxed);
+        }
+        self.lines.on(event)
+    }
+}
+
+fn run_until(folder: &Path, trainer: &mut Trainer<2, Magnet<2>>, episodes: u64) -> Lines {
+    let stop = AtomicBool::new(false);
+    let mut observer = StopAfter { episodes, stop: &stop, lines: Lines::default() };
+    let finish = trainer.run(Some(folder), &mut observer, &stop).unwrap();
+    assert_eq!(finish, Finish::Stopped);
+    observer.lines
+}
+
+#[test]
+fn stopping_and_resuming_changes_nothing() {
+    let (expected, policy) = straight(config(), 1);
+    let folder = tempfile::tempdir().unwrap();
+    let mut lines = Vec::new();
+    let mut trainer = Trainer::new(config(), envs(1), 1).unwrap();
+    for episodes in [3, 10, 37, 38] {
+        lines.extend(run_until(folder.path(), &mut trainer, episodes).timeless());
+        trainer = Trainer::resume(folder.path(), envs(1), 1).unwrap();
+        assert_eq!(trainer.evaluations(), lines.len() as u64);
+    }
+    let mut rest = Lines::default();
+    trainer.run(Some(folder.path()), &mut rest, &AtomicBool::new(false)).unwrap();
+    lines.extend(rest.timeless());
+    assert_eq!(lines, expected);
+    assert_eq!(fs::read(folder.path().join("policy.safetensors")).unwrap(), policy);
+}
+
+#[test]
+fn a_run_that_died_goes_on_from_its_last_evaluation() {
+    let (expected, _) = straight(config(), 1);
+    let folder = tempfile::tempdir().unwrap();
+    let mut trainer = Trainer::new(config(), envs(1), 1).unwrap();
+    run_until(folder.path(), &mut trainer, 25);
+    // What a kill leaves: the state before this one, and records that no state counts.
+    let checkpoint = folder.path().join("checkpoint");
+    fs::rename(checkpoint.join("previous.ckpt"), checkpoint.join("current.ckpt")).unwrap();
+    let mut trainer = Trainer::resume(folder.path(), envs(1), 1).unwrap();
+    assert_eq!(trainer.evaluations(), 2);
+    let mut lines = Lines::default();
+    trainer.run(Some(folder.path()), &mut lines, &AtomicBool::new(false)).unwrap();
+    assert_eq!(lines.timeless(), expected[2..]);
+}
+
+#[test]
+fn a_stop_between_two_renames_loses_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut trainer = Trainer::new(config(), envs(1), 1).unwrap();
+    run_until(folder.path(), &mut trainer, 25);
+    let checkpoint = folder.path().join("checkpoint");
+    fs::rename(checkpoint.join("current.ckpt"), checkpoint.join("next.ckpt")).unwrap();
+    let trainer = Trainer::resume(folder.path(), envs(1), 1).unwrap();
+    assert_eq!(trainer.progress().episodes, 20);
+}
+
+#[test]
+fn workers_change_nothing() {
+    let mut config = config();
+    config.envs = 3;
+    config.evaluation.every_episodes = 9;
+    assert_eq!(straight(config.clone(), 1), straight(config, 2));
+}
+
+#[test]
+fn seeds_change_everything() {
+    let other = TrainConfig { seed: 2, ..config() };
+    assert_ne!(straight(config(), 1).0, straight(other, 1).0);
+}
+
+#[test]
+fn a_damaged_checkpoint_is_named_with_the_last_good_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut trainer = Trainer::new(config(), envs(1), 1).unwrap();
+    run_until(folder.path(), &mut trainer, 25);
+    let path = folder.path().join("checkpoint/current.ckpt");
+    let whole = fs::read(&path).unwrap();
+    let mut flipped = whole.clone();
+    flipped[whole.len() / 2] ^= 1;
+    for damage in [&flipped[..], &whole[..whole.len() - 1], &whole[..10], &[]] {
+        fs::write(&path, damage).unwrap();
+        let Err(TrainError::Checkpoint(error)) = Trainer::resume(folder.path(), envs(1), 1) else {
+            panic!("{} bytes were accepted", damage.len());
+        };
+        let CheckpointError::Damaged { path: named, last_good, .. } = &error else {
+            panic!("{error}");
+        };
+        assert_eq!(*named, path);
+        assert!(last_good.contains("previous.ckpt"), "{last_good}");
+        assert!(last_good.contains("step 500"), "{last_good}");
+    }
+}
+
+#[test]
+fn a_damaged_episode_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut trainer = Trainer::new(config(), envs(1), 1).unwrap();
+    run_until(folder.path(), &mut trainer, 12);
+    let path = folder.path().join("checkpoint/replay-000000.episodes");
+    let mut bytes = fs::read(&path).unwrap();
+    let record = bytes.len() / 12;
+    bytes[5 * record + 100] ^= 1;
+    fs::write(&path, bytes).unwrap();
+    let error = Trainer::resume(folder.path(), envs(1), 1).err().unwrap().to_string();
+    assert!(error.contains("episode 5: checksum"), "{error}");
+}

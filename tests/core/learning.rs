@@ -1,0 +1,103 @@
+//! Learning where the answer is known.
+
+use crate::toy::{Lines, Magnet, Probe, small};
+use rher_core::config::{Method, TrainConfig};
+use rher_core::event::Metrics;
+use rher_core::train::Trainer;
+use std::sync::atomic::AtomicBool;
+
+fn probe(config: TrainConfig, target: f32) -> Metrics {
+    let mut lines = Lines::default();
+    let mut trainer = Trainer::new(config, vec![Probe::new(target)], 1).unwrap();
+    trainer.run(None, &mut lines, &AtomicBool::new(false)).unwrap();
+    lines.last().clone()
+}
+
+/// Only what the task asks for, so that every value has one cause.
+fn without_hindsight() -> TrainConfig {
+    let mut config = small("probe", 1);
+    config.relay.method = Method::Her;
+    config.relay.hindsight = 0.0;
+    config.agent.discount = 0.9;
+    config.agent.target_rate = 0.1;
+    config.env_steps = 500;
+    config.evaluation.every_episodes = 50;
+    config
+}
+
+#[test]
+fn where_nothing_is_ever_reached_the_value_is_the_lowest_return() {
+    let metrics = probe(without_hindsight(), 1.0);
+    assert!((metrics.q_mean + 10.0).abs() < 0.5, "{}", metrics.q_mean);
+    assert_eq!(metrics.single_reward, [None, Some(1.0)]);
+    assert_eq!(metrics.success_final, 0.0);
+}
+
+#[test]
+fn where_all_is_reached_at_once_the_value_is_zero() {
+    let mut config = without_hindsight();
+    config.exploration.noise = 0.0;
+    config.exploration.random = 0.0;
+    let metrics = probe(config, 0.0);
+    assert!(metrics.q_mean.abs() < 0.5, "{}", metrics.q_mean);
+    assert_eq!(metrics.success_final, 1.0);
+}
+
+#[test]
+fn the_actor_finds_the_action_that_is_rewarded() {
+    let mut config = without_hindsight();
+    config.env_steps = 2_000;
+    config.agent.action_l2 = 0.1;
+    config.exploration.random = 0.5;
+    let metrics = probe(config, 0.09);
+    assert_eq!(metrics.success_final, 1.0);
+    assert!(metrics.final_distance < 0.05, "{}", metrics.final_distance);
+}
+
+fn magnet(config: TrainConfig) -> Metrics {
+    let mut lines = Lines::default();
+    let mut trainer = Trainer::new(config, vec![Magnet::<1>::new()], 1).unwrap();
+    trainer.run(None, &mut lines, &AtomicBool::new(false)).unwrap();
+    lines.last().clone()
+}
+
+#[test]
+fn hindsight_and_the_relay_are_what_learns() {
+    let mut config = small("magnet", 1);
+    config.env_steps = 200 * 25;
+    config.evaluation.every_episodes = 200;
+    config.relay.reach_distance = 0.09;
+    let relay = magnet(config.clone());
+    config.relay.method = Method::Her;
+    let plain = magnet(config.clone());
+    config.relay.hindsight = 0.0;
+    let none = magnet(config);
+    let rates = [relay, plain, none].map(|metrics| metrics.success_final);
+    assert!(rates[0] >= 0.8, "relay {rates:?}");
+    assert!(rates[0] >= rates[1] + 0.2, "relay against plain hindsight {rates:?}");
+    assert!(rates[2] <= 0.2, "no hindsight {rates:?}");
+}
+
+#[test]
+fn zz_debug() {
+    let mut config = small("magnet", 1);
+    config.env_steps = 600 * 25;
+    config.evaluation.every_episodes = 50;
+    config.relay.reach_distance = 0.09;
+    for kv in std::env::var("DBG").unwrap_or_default().split_whitespace() {
+        match kv {
+            "abs" => config.relay.goal_frame = rher_core::config::GoalFrame::Absolute,
+            "l2" => config.agent.action_l2 = 0.1,
+            "noflip" => config.relay.mirror = 0.0,
+            "big" => config.agent.hidden = vec![256, 256],
+            "batch" => config.replay.batch_size = 256,
+            "g98" => config.agent.discount = 0.98,
+            "slow" => config.agent.target_rate = 0.05,
+            _ => {}
+        }
+    }
+    let mut lines = Lines::default();
+    let mut trainer = Trainer::new(config, vec![Magnet::<1>::new()], 1).unwrap();
+    trainer.run(None, &mut lines, &AtomicBool::new(false)).unwrap();
+    for m in &lines.0 { eprintln!("{:?} moved {:?} q {:.2} {:.2} {:.2} cl {:.4} al {:.3} ag {:.3} dist {:.3}", m.success, m.moved, m.q_min, m.q_mean, m.q_max, m.critic_loss, m.actor_loss, m.actor_gradient, m.final_distance); }
+}

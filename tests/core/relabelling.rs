@@ -1,0 +1,199 @@
+//! Laws of hindsight, for any episode.
+
+use proptest::prelude::*;
+use rand::SeedableRng as _;
+use rand_chacha::ChaCha8Rng;
+use rher_core::batch::Batch;
+use rher_core::config::{GoalFrame, Preset};
+use rher_core::env::{EnvSpec, Mirror, Reflection};
+use rher_core::episode::Episode;
+use rher_core::goal::{
+    Achieved, Desired, EncodedGoal, LaterObjects, Position, Scene, Stage, Tolerances,
+};
+use rher_core::input::InputEncoder;
+use rher_core::relabel::Relabeler;
+use rher_core::replay::Replay;
+
+const STEPS: usize = 6;
+
+fn spec(mirror: Option<Mirror>) -> EnvSpec<2> {
+    EnvSpec {
+        name: "law".to_owned(),
+        observation: 2,
+        action: 1,
+        episode_steps: STEPS,
+        subtasks: 4,
+        tolerances: Tolerances::uniform(0.05),
+        mirror,
+    }
+}
+
+fn position() -> impl Strategy<Value = Position> {
+    prop::array::uniform3(-0.2_f32..0.2).prop_map(Position::from)
+}
+
+fn scene() -> impl Strategy<Value = Scene<2>> {
+    (position(), prop::array::uniform2(position()))
+        .prop_map(|(gripper, objects)| Scene { gripper, objects })
+}
+
+fn episode() -> impl Strategy<Value = Episode<2>> {
+    (
+        prop::array::uniform2(position()),
+        prop::collection::vec(scene(), STEPS + 1),
+        prop::collection::vec(-1.0_f32..1.0, 2 * (STEPS + 1)),
+        prop::collection::vec(-1.0_f32..1.0, STEPS),
+    )
+        .prop_map(|(targets, scenes, observations, actions)| Episode {
+            desired: Desired::of_task(targets),
+            achieved: scenes.into_iter().map(Achieved).collect(),
+            observations,
+            actions,
+        })
+}
+
+fn relabeler(hindsight: f32, later_objects: LaterObjects, mirror: f32) -> Relabeler<2> {
+    let mut config = Preset::Paper.config("law", 2).relay;
+    config.hindsight = hindsight;
+    config.later_objects = later_objects;
+    config.mirror = mirror;
+    let reflect = |sign| Reflection { from: 0, sign, offset: 0.0 };
+    let mirror = Mirror {
+        axis: 1,
+        centre: 0.1,
+        observation: vec![reflect(1.0), Reflection { from: 1, sign: -1.0, offset: 0.2 }],
+        action: vec![reflect(-1.0)],
+    };
+    Relabeler::new(&config, &spec(Some(mirror)))
+}
+
+proptest! {
+    #[test]
+    fn a_hindsight_goal_is_the_goal_of_some_later_frame(
+        episode in episode(), stage in 0..4_usize, step in 0..STEPS, seed: u64,
+    ) {
+        let stage = Stage::from_index(stage).unwrap();
+        for later_objects in [LaterObjects::Now, LaterObjects::Later] {
+            let relabeler = relabeler(1.0, later_objects, 0.0);
+            let mut rng = ChaCha8Rng::seed_from_u64(seed);
+            let goal =
+                relabeler.goal(stage, &episode.achieved, &episode.desired, step, &mut rng);
+            let of_frame = |later: &Achieved<2>| {
+                let desired = Desired::in_hindsight(*later, later_objects);
+                EncodedGoal::new(stage, &episode.achieved[step], &desired)
+            };
+            prop_assert!(episode.achieved[step + 1..].iter().any(|later| of_frame(later) == goal));
+        }
+    }
+
+    #[test]
+    fn without_hindsight_the_goal_is_the_tasks(
+        episode in episode(), stage in 0..4_usize, step in 0..STEPS, seed: u64,
+    ) {
+        let stage = Stage::from_index(stage).unwrap();
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let goal = relabeler(0.0, LaterObjects::Now, 0.0)
+            .goal(stage, &episode.achieved, &episode.desired, step, &mut rng);
+        let expected = EncodedGoal::new(stage, &episode.achieved[step], &episode.desired);
+        prop_assert_eq!(goal, expected);
+    }
+
+    #[test]
+    fn what_the_next_frame_reached_is_rewarded(
+        episode in episode(), stage in 0..4_usize, seed: u64,
+    ) {
+        // The last step has one later frame, the one it ends at.
+        let step = STEPS - 1;
+        let stage = Stage::from_index(stage).unwrap();
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let goal = relabeler(1.0, LaterObjects::Later, 0.0)
+            .goal(stage, &episode.achieved, &episode.desired, step, &mut rng);
+        prop_assert!(goal.is_met(&episode.achieved[STEPS], &Tolerances::uniform(0.0)));
+    }
+
+    #[test]
+    fn rows_are_steps_of_stored_episodes(
+        episodes in prop::collection::vec(episode(), 1..5), stage in 0..4_usize, seed: u64,
+    ) {
+        let spec = spec(None);
+        let mut replay = Replay::new(&spec, 3 * STEPS);
+        for episode in &episodes {
+            replay.push(episode);
+        }
+        let encoder = InputEncoder::new(GoalFrame::Absolute, 2, 2);
+        let mut batch = Batch::zeros(16, encoder.width(), 1);
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let stage = Stage::from_index(stage).unwrap();
+        let rewarded = relabeler(0.8, LaterObjects::Now, 0.0)
+            .draw(&replay, &encoder, stage, &mut batch, 0..16, &mut rng);
+        prop_assert_eq!(rewarded, batch.rewards.iter().filter(|reward| **reward == 0.0).count());
+        let kept = &episodes[episodes.len().saturating_sub(3)..];
+        for row in 0..16 {
+            let input = &batch.inputs[row * batch.input..][..batch.input];
+            let next = &batch.next_inputs[row * batch.input..][..batch.input];
+            let is_step = |episode: &Episode<2>, step: usize| {
+                input[..2] == episode.observations[2 * step..][..2]
+                    && next[..2] == episode.observations[2 * (step + 1)..][..2]
+                    && batch.actions[row] == episode.actions[step]
+            };
+            prop_assert!(kept.iter().any(|e| (0..STEPS).any(|step| is_step(e, step))));
+            prop_assert_eq!(&input[2..], &next[2..], "the next state keeps the goal");
+        }
+    }
+
+    #[test]
+    fn a_mirrored_batch_is_the_mirror_image(episode in episode(), stage in 0..4_usize, seed: u64) {
+        let spec = spec(None);
+        let mut replay = Replay::new(&spec, STEPS);
+        replay.push(&episode);
+        let encoder = InputEncoder::new(GoalFrame::Absolute, 2, 2);
+        let stage = Stage::from_index(stage).unwrap();
+        let draw = |mirror: f32| {
+            let mut batch = Batch::zeros(8, encoder.width(), 1);
+            let mut rng = ChaCha8Rng::seed_from_u64(seed);
+            relabeler(0.8, LaterObjects::Now, mirror)
+                .draw(&replay, &encoder, stage, &mut batch, 0..8, &mut rng);
+            batch
+        };
+        // A share this small is never drawn, and leaves the generator in step.
+        let (plain, mirrored) = (draw(f32::MIN_POSITIVE), draw(1.0));
+        prop_assert_eq!(&plain.rewards, &mirrored.rewards);
+        let flipped = |a: f32, b: f32| (a + b - 0.2).abs() < 1e-5;
+        for (a, b) in plain.inputs.chunks(11).zip(mirrored.inputs.chunks(11)) {
+            prop_assert!(a[0] == b[0] && flipped(a[1], b[1]));
+            for (a, b) in a[2..].chunks(3).zip(b[2..].chunks(3)) {
+                let blank = a == [-5.0; 3] && b == [-5.0; 3];
+                prop_assert!(blank || a[0] == b[0] && flipped(a[1], b[1]) && a[2] == b[2]);
+            }
+        }
+        for (a, b) in plain.actions.iter().zip(&mirrored.actions) {
+            prop_assert_eq!(*a, -b);
+        }
+    }
+}
+
+#[test]
+fn a_blank_slot_is_a_flag_that_no_position_can_be_taken_for() {
+    let now = Achieved(Scene {
+        gripper: Position::new(1.3, 0.7, 0.4),
+        objects: [Position::new(1.4, 0.8, 0.4)],
+    });
+    let desired = Desired::of_task([Position::new(1.2, 0.6, 0.4)]);
+    for (frame, blank) in [(GoalFrame::Absolute, -5.0), (GoalFrame::Relative, 0.0)] {
+        let mut encoder = InputEncoder::new(frame, 1, 1);
+        for stage in Stage::<1>::all() {
+            encoder.observe_goal(&now, &EncodedGoal::new(stage, &now, &desired));
+        }
+        encoder.refresh();
+        let mut row = vec![0.0; encoder.width()];
+        for (stage, (blank_at, real_at)) in Stage::<1>::all().zip([(4, 1), (1, 4)]) {
+            encoder.write(&[0.0], &now, &EncodedGoal::new(stage, &now, &desired), &mut row);
+            assert_eq!(row[blank_at..blank_at + 3], [blank; 3], "{frame:?}");
+            assert!(row[real_at..real_at + 3].iter().all(|x| x.abs() < 1.0), "{frame:?} {row:?}");
+            if frame == GoalFrame::Relative {
+                let flags = if stage == Stage::FIRST { [0.0, 1.0] } else { [1.0, 0.0] };
+                assert_eq!(row[7..], flags);
+            }
+        }
+    }
+}

@@ -1,0 +1,86 @@
+//! The ring of episodes.
+
+use crate::toy::Magnet;
+use rand::SeedableRng as _;
+use rand_chacha::ChaCha8Rng;
+use rher_core::env::Env as _;
+use rher_core::episode::{Episode, rollout};
+use rher_core::replay::Replay;
+use std::convert::Infallible;
+
+fn episodes(count: u64) -> Vec<Episode<1>> {
+    let mut env = Magnet::<1>::new();
+    (0..count).map(|seed| rollout(&mut env, seed, |_, action| action.fill(0.5)).unwrap()).collect()
+}
+
+#[test]
+fn the_oldest_episode_makes_room_for_the_newest() {
+    let spec = Magnet::<1>::new().spec().clone();
+    let mut replay = Replay::new(&spec, 3 * spec.episode_steps + 1);
+    let episodes = episodes(5);
+    for episode in &episodes {
+        replay.push(episode);
+    }
+    assert_eq!((replay.capacity(), replay.episodes(), replay.pushed()), (3, 3, 5));
+    assert_eq!(replay.newest(3).collect::<Vec<_>>(), episodes[2..]);
+    assert_eq!(replay.achieved(2), episodes[2].achieved);
+    assert_eq!(replay.achieved(0), episodes[3].achieved);
+    assert_eq!(replay.achieved(1), episodes[4].achieved);
+}
+
+#[test]
+fn a_restored_replay_is_drawn_from_alike() {
+    let spec = Magnet::<1>::new().spec().clone();
+    for count in [1, 3, 7] {
+        let episodes = episodes(count);
+        let mut replay = Replay::new(&spec, 3 * spec.episode_steps);
+        for episode in &episodes {
+            replay.push(episode);
+        }
+        let restored = Replay::restore(&spec, 3 * spec.episode_steps, count, |index| {
+            Ok::<_, Infallible>(episodes[index as usize].clone())
+        })
+        .unwrap();
+        assert_eq!(restored.pushed(), count);
+        let mut one = ChaCha8Rng::seed_from_u64(1);
+        let mut other = one.clone();
+        for _ in 0..50 {
+            let (a, b) = (replay.draw(&mut one), restored.draw(&mut other));
+            assert_eq!(replay.action(a), restored.action(b));
+            assert_eq!(replay.observations(a), restored.observations(b));
+            assert_eq!(replay.achieved(a.slot), restored.achieved(b.slot));
+        }
+    }
+}
+
+#[test]
+fn a_place_that_is_not_a_number_is_named() {
+    struct Broken(Magnet<1>);
+    impl rher_core::env::Env<1> for Broken {
+        fn spec(&self) -> &rher_core::env::EnvSpec<1> {
+            self.0.spec()
+        }
+        fn reset(
+            &mut self,
+            seed: u64,
+            observation: &mut [f32],
+        ) -> Result<rher_core::env::Start<1>, rher_core::env::EnvError> {
+            self.0.reset(seed, observation)
+        }
+        fn step(
+            &mut self,
+            action: &[f32],
+            observation: &mut [f32],
+        ) -> Result<rher_core::goal::Achieved<1>, rher_core::env::EnvError> {
+            let achieved = self.0.step(action, observation);
+            observation[3] = f32::NAN;
+            achieved
+        }
+    }
+    let error = rollout(&mut Broken(Magnet::new()), 7, |_, _| {}).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "the environment returned NaN in observation[3] at step 1 of the episode with seed 7, \
+         expected finite numbers"
+    );
+}

@@ -1,0 +1,156 @@
+//! What every task promises.
+
+use crate::support::{is_met, random_action};
+use rand::SeedableRng as _;
+use rand_chacha::ChaCha8Rng;
+use rher_core::goal::Achieved;
+use rher_envs::{EnvVisitor, Simulated, Task};
+
+#[test]
+fn every_task_keeps_the_contract() {
+    for task in Task::ALL {
+        task.visit(Contract(*task));
+    }
+}
+
+struct Contract(Task);
+
+impl EnvVisitor for Contract {
+    type Output = ();
+
+    fn visit<const N: usize, E: Simulated<N>>(self, build: fn() -> E) {
+        let task = self.0;
+        let mut env = build();
+        let spec = env.spec().clone();
+        assert_eq!(spec.name, task.name());
+        assert!((1..=2 * N).contains(&spec.subtasks), "{task}");
+        if let Some(mirror) = &spec.mirror {
+            assert_eq!(mirror.observation.len(), spec.observation, "{task}");
+            assert_eq!(mirror.action.len(), spec.action, "{task}");
+        }
+
+        let mut observation = vec![f32::NAN; spec.observation];
+        let mut again = observation.clone();
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        for seed in 0..20 {
+            let start = env.reset(seed, &mut observation).unwrap();
+            assert_eq!(start, build().reset(seed, &mut again).unwrap(), "{task} {seed}");
+            assert_eq!(observation, again, "{task} {seed}");
+            check_frame(task, start.achieved, &observation);
+            for _ in 0..spec.episode_steps {
+                let achieved = env.step(&random_action(&mut rng), &mut observation).unwrap();
+                check_frame(task, achieved, &observation);
+            }
+        }
+        let start = env.reset(1, &mut observation).unwrap();
+        assert_ne!(start.desired, env.reset(2, &mut observation).unwrap().desired, "{task}");
+
+        let mut fits = vec![0.0; spec.observation];
+        assert!(env.step(&[0.0; 3], &mut fits).is_err(), "{task}");
+        assert!(env.step(&[0.0, f32::NAN, 0.0, 0.0], &mut fits).is_err(), "{task}");
+        assert!(env.reset(0, &mut vec![0.0; spec.observation + 1]).is_err(), "{task}");
+    }
+}
+
+fn check_frame<const N: usize>(task: Task, achieved: Achieved<N>, observation: &[f32]) {
+    assert!(achieved.0.is_finite(), "{task}");
+    assert!(observation.iter().all(|x| x.is_finite()), "{task}");
+    assert_eq!(observation[..3], *achieved.0.gripper.coords.as_slice(), "{task}");
+    if observation.len() == 25 {
+        let object = achieved.0.objects[0];
+        assert_eq!(observation[3..6], *object.coords.as_slice(), "{task}");
+        assert_eq!(observation[6..9], *(object - achieved.0.gripper).as_slice(), "{task}");
+    }
+}
+
+#[test]
+fn errors_carry_the_numbers() {
+    let mut push = crate::support::push();
+    let error = push.env_step_error(&[0.0; 3]);
+    assert_eq!(error, "action has 3 numbers, expected 4");
+    let error = push.env_step_error(&[0.0, f32::NAN, 0.0, 0.0]);
+    assert_eq!(error, "number 1 of the action is NaN");
+}
+
+impl<E: Simulated<1>> crate::support::Stand<E> {
+    fn env_step_error(&mut self, action: &[f32]) -> String {
+        self.env.step(action, &mut self.observation).unwrap_err().to_string()
+    }
+}
+
+#[test]
+fn actions_are_clipped() {
+    let (mut far, mut full) = (crate::support::push(), crate::support::push());
+    far.step([9.0, f32::NEG_INFINITY, 3.0, 0.0]);
+    full.step([1.0, -1.0, 1.0, 0.0]);
+    assert_eq!(far.scene, full.scene);
+}
+
+#[test]
+fn names_lead_to_tasks_and_unknown_ones_to_the_list() {
+    for task in Task::ALL {
+        assert_eq!(task.to_string().parse(), Ok(*task));
+    }
+    let error = "pushh".parse::<Task>().unwrap_err().to_string();
+    assert!(error.contains("pushh") && error.contains("reach, push, pick"), "{error}");
+}
+
+/// The share of Fetch episodes that begin solved, as computed from their geometry.
+#[test]
+fn as_many_episodes_begin_solved_as_in_fetch() {
+    for (task, expected) in [(Task::Reach, 0.0194), (Task::Push, 0.069), (Task::Pick, 0.037)] {
+        let share = task.visit(BeginSolved);
+        assert!((share - expected).abs() < 0.008, "{task}: {share}");
+    }
+}
+
+struct BeginSolved;
+
+impl EnvVisitor for BeginSolved {
+    type Output = f32;
+
+    fn visit<const N: usize, E: Simulated<N>>(self, build: fn() -> E) -> f32 {
+        let mut env = build();
+        let mut observation = vec![0.0; env.spec().observation];
+        let mut solved = 0.0;
+        for seed in 0..10_000 {
+            let start = env.reset(seed, &mut observation).unwrap();
+            solved += f32::from(u8::from(is_met(&env, start.achieved, &start.desired)));
+        }
+        solved / 10_000.0
+    }
+}
+
+#[test]
+fn doing_nothing_and_random_actions_seldom_succeed() {
+    for (task, most) in [(Task::Push, 0.2), (Task::Pick, 0.2)] {
+        let still = task.visit(Succeed { random: false });
+        let random = task.visit(Succeed { random: true });
+        assert!(still < 0.12 && random < most, "{task}: still {still}, random {random}");
+    }
+}
+
+struct Succeed {
+    random: bool,
+}
+
+impl EnvVisitor for Succeed {
+    type Output = f32;
+
+    fn visit<const N: usize, E: Simulated<N>>(self, build: fn() -> E) -> f32 {
+        let mut env = build();
+        let mut observation = vec![0.0; env.spec().observation];
+        let mut rng = ChaCha8Rng::seed_from_u64(2);
+        let mut solved = 0.0;
+        for seed in 0..300 {
+            let start = env.reset(seed, &mut observation).unwrap();
+            let mut achieved = start.achieved;
+            for _ in 0..env.spec().episode_steps {
+                let action = if self.random { random_action(&mut rng) } else { [0.0; 4] };
+                achieved = env.step(&action, &mut observation).unwrap();
+            }
+            solved += f32::from(u8::from(is_met(&env, achieved, &start.desired)));
+        }
+        solved / 300.0
+    }
+}

@@ -1,0 +1,11 @@
+//! The simulated tasks, against their contract, their physics and recordings of the real ones.
+
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+mod contract;
+mod determinism;
+mod mirror;
+mod physics;
+mod scripted;
+mod support;
+mod traces;

@@ -1,0 +1,95 @@
+//! The mirror image of an episode obeys the same physics.
+
+use crate::support::random_action;
+use rand::SeedableRng as _;
+use rand_chacha::ChaCha8Rng;
+use rher_core::env::{Mirror, Reflection};
+use rher_core::goal::{Achieved, Position, Scene};
+use rher_envs::{EnvVisitor, Layout, Simulated, Task};
+
+#[test]
+fn mirrored_actions_lead_to_mirrored_observations() {
+    for task in Task::ALL {
+        task.visit(Mirrored(*task));
+    }
+}
+
+struct Mirrored(Task);
+
+impl EnvVisitor for Mirrored {
+    type Output = ();
+
+    fn visit<const N: usize, E: Simulated<N>>(self, build: fn() -> E) {
+        let task = self.0;
+        let (mut env, mut image) = (build(), build());
+        let Some(mirror) = env.spec().mirror.clone() else { return };
+        let mut observation = vec![0.0; env.spec().observation];
+        let mut seen = observation.clone();
+        let mut expected = observation.clone();
+        for seed in 0..20 {
+            let mut rng = ChaCha8Rng::seed_from_u64(seed);
+            let start = env.reset(seed, &mut observation).unwrap();
+            let layout = mirrored_layout(&mirror, start.achieved, start.desired.objects());
+            image.arrange(layout, &mut seen).unwrap();
+            Reflection::apply(&mirror.observation, &observation, &mut expected);
+            assert_near(task, &seen, &expected, 1e-5);
+            // Held for a few steps each, so that the hand gets somewhere.
+            'episode: for _ in 0..5 {
+                let action = random_action(&mut rng);
+                let mut mirrored = [0.0; 4];
+                Reflection::apply(&mirror.action, &action, &mut mirrored);
+                for _ in 0..5 {
+                    let Achieved(here) = env.step(&action, &mut observation).unwrap();
+                    image.step(&mirrored, &mut seen).unwrap();
+                    // Contacts are solved in an order that has no mirror image.
+                    if touched(&here, &start.achieved.0) {
+                        break 'episode;
+                    }
+                    Reflection::apply(&mirror.observation, &observation, &mut expected);
+                    assert_near(task, &seen, &expected, 1e-3);
+                }
+            }
+        }
+    }
+}
+
+fn touched<const N: usize>(now: &Scene<N>, start: &Scene<N>) -> bool {
+    now.objects.iter().zip(&start.objects).any(|(now, start)| (now - start).norm() > 1e-4)
+}
+
+fn mirrored_layout<const N: usize>(
+    mirror: &Mirror,
+    achieved: Achieved<N>,
+    targets: &[Position; N],
+) -> Layout<N> {
+    Layout {
+        objects: achieved.0.objects.map(|p| mirror.position(p)),
+        targets: targets.map(|p| mirror.position(p)),
+    }
+}
+
+fn assert_near(task: Task, seen: &[f32], expected: &[f32], tolerance: f32) {
+    for (i, (seen, expected)) in seen.iter().zip(expected).enumerate() {
+        assert!((seen - expected).abs() < tolerance, "{task}, number {i}: {seen}, not {expected}");
+    }
+}
+
+/// A block that is pushed off its centre turns one way, its mirror image the other.
+#[test]
+fn a_block_turns_the_other_way_in_the_mirror() {
+    let turned = |side: f32| {
+        let mut push = crate::support::push();
+        push.put(1.45, 0.7491 + side * 0.02);
+        push.repeat(4, [1.0, 0.0, 0.0, 0.0]);
+        push.observation.clone()
+    };
+    let (here, there) = (turned(1.0), turned(-1.0));
+    let mut push = crate::support::push();
+    push.reset(0);
+    let mirror = rher_core::env::Env::spec(&push.env).mirror.clone().unwrap();
+    let mut expected = vec![0.0; here.len()];
+    Reflection::apply(&mirror.observation, &here, &mut expected);
+    assert!(here[13] > 0.1, "yaw {}", here[13]);
+    // Contacts are solved one after the other, and their order has no mirror image.
+    assert_near(Task::Push, &there, &expected, 0.2);
+}

@@ -1,0 +1,132 @@
+//! What a gripper and a block must and must not do, at the settings that are trained with.
+
+use crate::support::{BLOCK_HEIGHT, FINGERTIP, HALF_BLOCK, Stand, pick, push, random_action};
+use rand::SeedableRng as _;
+use rand_chacha::ChaCha8Rng;
+use rher_core::goal::Position;
+use rher_envs::Simulated;
+
+/// y of the robot's middle plane, in metres.
+const MIDDLE: f32 = 0.7491;
+
+#[test]
+fn a_gripped_block_is_lifted_and_held() {
+    let mut pick = pick();
+    grip(&mut pick);
+    let before = pick.held();
+    pick.go_to(Position::new(1.34, MIDDLE, BLOCK_HEIGHT + 0.2), -1.0);
+    pick.repeat(125, [0.0, 0.0, 0.0, -1.0]);
+    let slip = (pick.held() - before).norm();
+    assert!(pick.block().z > BLOCK_HEIGHT + 0.19, "at {:?}", pick.scene);
+    assert!(slip < 0.002, "slipped by {slip} m");
+}
+
+#[test]
+fn a_gripped_block_survives_a_shuttle_at_full_speed() {
+    for axis in 0..3 {
+        let mut pick = pick();
+        grip(&mut pick);
+        pick.go_to(Position::new(1.34, MIDDLE, 0.6), -1.0);
+        let before = pick.held();
+        for turn in 0..12 {
+            let mut action = [0.0, 0.0, 0.0, -1.0];
+            action[axis] = if turn % 2 == 0 { 1.0 } else { -1.0 };
+            pick.repeat(4, action);
+        }
+        pick.repeat(5, [0.0, 0.0, 0.0, -1.0]);
+        let slip = (pick.held() - before).norm();
+        assert!(slip < 0.002, "along axis {axis} slipped by {slip} m");
+    }
+}
+
+#[test]
+fn pressing_a_block_on_the_table_neither_sinks_nor_ejects_it() {
+    for (dx, dy) in [(0.0, 0.0), (0.01, 0.0), (0.0, 0.012)] {
+        let mut pick = pick();
+        pick.put(1.34 + dx, MIDDLE + dy);
+        let start = pick.block();
+        for _ in 0..50 {
+            pick.step([0.0, 0.0, -1.0, -1.0]);
+            let sunk = BLOCK_HEIGHT - pick.block().z;
+            let inside = pick.block().z + HALF_BLOCK - (pick.scene.gripper.z - FINGERTIP);
+            assert!(sunk < 0.003 && inside < 0.003, "sunk by {sunk} m, {inside} m deep");
+        }
+        pick.repeat(10, [0.0, 0.0, 1.0, 0.0]);
+        let moved = (pick.block() - start).norm();
+        assert!(moved < 0.005, "moved by {moved} m");
+    }
+}
+
+#[test]
+fn fingers_pressed_on_the_table_stay_above_it() {
+    let mut push = push();
+    push.put(1.5, 0.6);
+    push.repeat(20, [0.0, 0.0, -1.0, 0.0]);
+    let depth = 0.4 - (push.scene.gripper.z - FINGERTIP);
+    assert!(depth < 0.002, "{depth} m deep");
+}
+
+#[test]
+fn nothing_passes_through_a_block_at_full_speed() {
+    for aside in [-0.03, -0.02, -0.01, 0.0, 0.01, 0.02, 0.03] {
+        for distance in [0.06, 0.067, 0.075, 0.083, 0.09] {
+            let mut push = push();
+            push.put(1.363 + distance, MIDDLE + aside);
+            let start = push.block();
+            push.repeat(5, [1.0, 0.0, 0.05, 0.0]);
+            let moved = (push.block() - start).norm();
+            assert!(moved > 0.015, "{aside} m aside, {distance} m away: moved by {moved} m");
+        }
+    }
+}
+
+#[test]
+fn a_block_falls_once_its_centre_is_past_the_edge() {
+    for (beyond, falls) in [(-0.005, false), (0.003, true), (0.008, true)] {
+        let mut push = push();
+        push.put(1.55 + beyond, 0.9);
+        push.repeat(50, [0.0; 4]);
+        assert_eq!(push.block().z < 0.4, falls, "{beyond} m past it: {}", push.block());
+    }
+}
+
+#[test]
+fn a_block_at_rest_stays_where_it_is() {
+    let mut push = push();
+    push.put(1.45, 0.85);
+    let start = push.block();
+    push.repeat(50, [0.0; 4]);
+    let moved = (push.block() - start).norm();
+    assert!(moved < 2e-4, "moved by {moved} m");
+}
+
+#[test]
+fn nothing_explodes_under_random_actions() {
+    check_speeds(push());
+    check_speeds(pick());
+}
+
+fn check_speeds<E: Simulated<1>>(mut stand: Stand<E>) {
+    let mut rng = ChaCha8Rng::seed_from_u64(5);
+    for seed in 0..200 {
+        stand.reset(seed);
+        for _ in 0..50 {
+            let before = stand.scene;
+            // A block that leaves the table falls at up to 2.8 m/s.
+            stand.step(random_action(&mut rng));
+            let [hand, block] = [
+                (stand.scene.gripper - before.gripper).norm(),
+                (stand.block() - before.objects[0]).norm(),
+            ];
+            assert!(hand < 0.08 && block < 0.13, "seed {seed}: hand {hand} m, block {block} m");
+        }
+    }
+}
+
+/// Grips a block in the middle of the table.
+fn grip<E: Simulated<1>>(stand: &mut Stand<E>) {
+    stand.put(1.34, MIDDLE);
+    stand.repeat(3, [0.0, 0.0, 0.0, 1.0]);
+    stand.go_to(Position::new(1.34, MIDDLE, BLOCK_HEIGHT), 1.0);
+    stand.repeat(8, [0.0, 0.0, 0.0, -1.0]);
+}

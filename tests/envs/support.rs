@@ -1,0 +1,113 @@
+//! Episodes in a few words.
+
+use nalgebra::Vector3;
+use rand::RngExt as _;
+use rand_chacha::ChaCha8Rng;
+use rher_core::env::Start;
+use rher_core::goal::{Achieved, Desired, EncodedGoal, Position, Scene, Stage};
+use rher_envs::tasks::{Pick, Push};
+use rher_envs::{ACTION_WIDTH, Layout, Simulated, Simulation};
+
+/// Half the edge of a block, in metres.
+pub(crate) const HALF_BLOCK: f32 = 0.025;
+
+/// Height of a block's centre at rest on the table, in metres.
+pub(crate) const BLOCK_HEIGHT: f32 = 0.42489;
+
+/// From the grip centre down to the fingertips, in metres.
+pub(crate) const FINGERTIP: f32 = 0.0195;
+
+/// An environment with one object and where it stands.
+pub(crate) struct Stand<E> {
+    pub(crate) env: E,
+    pub(crate) observation: Vec<f32>,
+    pub(crate) scene: Scene<1>,
+}
+
+pub(crate) fn push() -> Stand<Simulation<Push, 1>> {
+    Stand::new(Simulation::new())
+}
+
+pub(crate) fn pick() -> Stand<Simulation<Pick, 1>> {
+    Stand::new(Simulation::new())
+}
+
+impl<E: Simulated<1>> Stand<E> {
+    pub(crate) fn new(env: E) -> Self {
+        let observation = vec![0.0; env.spec().observation];
+        let mut stand = Self { env, observation, scene: nowhere() };
+        stand.reset(0);
+        stand
+    }
+
+    pub(crate) fn reset(&mut self, seed: u64) -> Desired<1> {
+        let start = self.env.reset(seed, &mut self.observation).unwrap();
+        self.begin(start)
+    }
+
+    /// Puts the block at a place on the table.
+    pub(crate) fn put(&mut self, x: f32, y: f32) {
+        let object = Position::new(x, y, BLOCK_HEIGHT);
+        let layout = Layout { objects: [object], targets: [object] };
+        let start = self.env.arrange(layout, &mut self.observation).unwrap();
+        self.begin(start);
+    }
+
+    fn begin(&mut self, start: Start<1>) -> Desired<1> {
+        self.scene = start.achieved.0;
+        start.desired
+    }
+
+    pub(crate) fn step(&mut self, action: [f32; ACTION_WIDTH]) {
+        self.scene = self.env.step(&action, &mut self.observation).unwrap().0;
+    }
+
+    pub(crate) fn repeat(&mut self, steps: usize, action: [f32; ACTION_WIDTH]) {
+        for _ in 0..steps {
+            self.step(action);
+        }
+    }
+
+    /// Moves the hand to a place, the fingers doing `fingers`; gives up after 40 steps.
+    pub(crate) fn go_to(&mut self, place: Position, fingers: f32) {
+        for _ in 0..40 {
+            if (place - self.scene.gripper).norm() < 0.002 {
+                break;
+            }
+            self.step(towards(place, self.scene.gripper, fingers));
+        }
+    }
+
+    pub(crate) fn block(&self) -> Position {
+        self.scene.objects[0]
+    }
+
+    /// From the hand to the block.
+    pub(crate) fn held(&self) -> Vector3<f32> {
+        self.scene.objects[0] - self.scene.gripper
+    }
+}
+
+/// The action that brings the hand from `here` to `place`, at full speed if it is far.
+pub(crate) fn towards(place: Position, here: Position, fingers: f32) -> [f32; ACTION_WIDTH] {
+    let [x, y, z]: [f32; 3] = ((place - here) * 20.0).into();
+    [x, y, z, fingers]
+}
+
+/// Whether the last sub-task is met.
+pub(crate) fn is_met<const N: usize>(
+    env: &impl Simulated<N>,
+    achieved: Achieved<N>,
+    desired: &Desired<N>,
+) -> bool {
+    let last = Stage::from_index(env.spec().subtasks - 1).unwrap();
+    EncodedGoal::new(last, &achieved, desired).is_met(&achieved, &env.spec().tolerances)
+}
+
+pub(crate) fn random_action(rng: &mut ChaCha8Rng) -> [f32; ACTION_WIDTH] {
+    std::array::from_fn(|_| rng.random_range(-1.0..1.0))
+}
+
+fn nowhere() -> Scene<1> {
+    Scene { gripper: Position::origin(), objects: [Position::origin()] }
+}
