@@ -2,12 +2,14 @@
 
 use crate::exit_code::Status;
 use crate::observe::MetricsError;
-use crate::run_dir::RunDirError;
+use crate::printer::StdoutError;
+use crate::run_dir::{RunDirError, WriteError};
 use crate::settings::{Origin, SettingsError, Source};
 use rher_core::agent::policy::PolicyError;
 use rher_core::checkpoint::CheckpointError;
 use rher_core::episode::RolloutError;
 use rher_core::evaluate::EvaluateError;
+use rher_core::event::ObserverError;
 use rher_core::train::TrainError;
 use std::error::Error;
 use std::io;
@@ -45,7 +47,10 @@ impl Report {
             .or_else(|| cause.downcast_ref().and_then(Self::of_evaluate))
             .or_else(|| cause.downcast_ref().and_then(Self::of_metrics))
             .or_else(|| cause.downcast_ref().map(foreign))
-            .or_else(|| cause.downcast_ref().map(Self::of_io))
+            .or_else(|| cause.downcast_ref().map(|StdoutError(error)| Self::of_write(error)))
+            .or_else(|| {
+                cause.downcast_ref().map(|WriteError { source, .. }| Self::of_write(source))
+            })
     }
 
     fn new(status: Status, hint: impl Into<String>) -> Self {
@@ -87,6 +92,7 @@ impl Report {
                 Self::new(status(origin), format!("did you mean `{nearest}`? {EVERY}"))
             }
             SettingsError::Unknown { origin, nearest: None, .. }
+            | SettingsError::Section { origin, .. }
             | SettingsError::Mistyped { origin, .. }
             | SettingsError::OutOfRange { origin, .. } => Self::new(status(origin), EVERY),
             SettingsError::Combination(_) => Self::new(Status::Usage, EVERY),
@@ -104,7 +110,7 @@ impl Report {
                 path.display()
             ),
             RunDirError::NoRun { .. } => "`rher train <TASK> --out DIR` starts one".to_owned(),
-            RunDirError::Write(_) => return None,
+            RunDirError::Write(error) => return Some(Self::of_write(&error.source)),
         };
         Some(Self::new(Status::RunFolder, hint))
     }
@@ -120,9 +126,10 @@ impl Report {
                  `agent.critic_learning_rate` help against divergence",
             )),
             TrainError::Config(_) => Some(Self { status: Status::Usage, hint: None }),
-            TrainError::TooFewEnvs { .. }
-            | TrainError::Threads { .. }
-            | TrainError::Observer(_) => None,
+            TrainError::Observer(ObserverError(error)) => {
+                error.downcast_ref().map(|WriteError { source, .. }| Self::of_write(source))
+            }
+            TrainError::TooFewEnvs { .. } | TrainError::Threads { .. } => None,
         }
     }
 
@@ -145,8 +152,14 @@ impl Report {
 
     fn of_checkpoint(error: &CheckpointError) -> Option<Self> {
         match error {
-            CheckpointError::Damaged { .. } => {
-                Some(Self::new(Status::Damaged, "nothing was changed; the policy file still works"))
+            CheckpointError::Damaged { path, .. } => {
+                let hint = if path.extension().is_some_and(|extension| extension == "ckpt") {
+                    "nothing was changed; an earlier checkpoint that is renamed to `current.ckpt` \
+                     can be resumed, and the policy file still works"
+                } else {
+                    "nothing was changed; the policy file still works"
+                };
+                Some(Self::new(Status::Damaged, hint))
             }
             CheckpointError::Version { .. } => Some(Self::new(
                 Status::Damaged,
@@ -157,6 +170,7 @@ impl Report {
             }
             CheckpointError::Policy(error) => Self::of_policy(error),
             CheckpointError::Mismatch { .. } => Some(Self { status: Status::Damaged, hint: None }),
+            CheckpointError::Io { verb: "write", source, .. } => Some(Self::of_write(source)),
             CheckpointError::Io { .. } => None,
         }
     }
@@ -167,6 +181,10 @@ impl Report {
                 Status::Damaged,
                 "a policy file is the `policy.safetensors` of a run folder",
             )),
+            PolicyError::Io { verb: "write", source, .. } => Some(Self::of_write(source)),
+            PolicyError::Io { source, .. } if source.kind() == io::ErrorKind::NotFound => Some(
+                Self::new(Status::RunFolder, "name a run folder with a policy, or a policy file"),
+            ),
             PolicyError::Io { .. } => None,
         }
     }
@@ -177,24 +195,18 @@ impl Report {
                 Status::Damaged,
                 "bring the file back, or start a new run with --out",
             )),
-            MetricsError::Read { .. } | MetricsError::Write(_) => None,
+            MetricsError::Write(error) => Some(Self::of_write(&error.source)),
+            MetricsError::Read { .. } => None,
         }
     }
 
-    fn of_io(error: &io::Error) -> Self {
+    fn of_write(error: &io::Error) -> Self {
         match error.kind() {
             io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => Self::new(
                 Status::DiskFull,
                 "make room; `rher train --resume DIR` goes on from the last checkpoint",
             ),
-            io::ErrorKind::PermissionDenied
-            | io::ErrorKind::ReadOnlyFilesystem
-            | io::ErrorKind::NotADirectory
-            | io::ErrorKind::IsADirectory
-            | io::ErrorKind::AlreadyExists => {
-                Self::new(Status::Unwritable, "choose a folder that you may write in")
-            }
-            _ => Self { status: Status::Failure, hint: None },
+            _ => Self::new(Status::Unwritable, "choose a place that you may write in"),
         }
     }
 }

@@ -62,7 +62,7 @@ impl Printer {
 /// Standard output does not take what is written to it.
 #[derive(Debug, thiserror::Error)]
 #[error("cannot write to standard output")]
-pub(crate) struct StdoutError(#[source] io::Error);
+pub(crate) struct StdoutError(#[source] pub(crate) io::Error);
 
 /// Nobody can be told that stderr is closed.
 fn tell(text: impl Display) {

@@ -187,9 +187,22 @@ impl Entry {
         SettingsError::Mistyped {
             origin: self.origin.clone(),
             key: self.key.clone(),
-            problem: error.message().to_owned(),
+            problem: in_plain_words(error.message()),
         }
     }
+}
+
+/// What serde says, without the names of Rust's types.
+fn in_plain_words(problem: &str) -> String {
+    const WORDS: [(&str, &str); 6] = [
+        ("unknown variant", "unknown value"),
+        ("expected f32", "expected a number"),
+        ("expected usize", "expected a whole number, at least 0"),
+        ("expected u64", "expected a whole number, at least 0"),
+        ("expected a sequence", "expected a list in brackets"),
+        ("expected a boolean", "expected true or false"),
+    ];
+    WORDS.iter().fold(problem.to_owned(), |text, (from, to)| text.replace(from, to))
 }
 
 /// Settings that are being put together.
@@ -210,11 +223,21 @@ impl Layers {
     }
 
     fn set(&mut self, entry: Entry) -> Result<(), SettingsError> {
-        let Some(slot) = leaf(&mut self.table, &entry.key) else {
-            let nearest = nearest(&self.table, &entry.key);
-            return Err(SettingsError::Unknown { origin: entry.origin, key: entry.key, nearest });
-        };
-        *slot = entry.value.clone();
+        match (lookup(&mut self.table, &entry.key), &entry.value) {
+            (Some(Value::Table(_)), Value::Table(empty)) if empty.is_empty() => return Ok(()),
+            (Some(Value::Table(_)), _) => {
+                return Err(SettingsError::Section { origin: entry.origin, key: entry.key });
+            }
+            (Some(slot), value) => *slot = value.clone(),
+            (None, _) => {
+                let nearest = nearest(&self.table, &entry.key);
+                return Err(SettingsError::Unknown {
+                    origin: entry.origin,
+                    key: entry.key,
+                    nearest,
+                });
+            }
+        }
         self.config =
             TrainConfig::deserialize(self.table.clone()).map_err(|error| entry.mistyped(&error))?;
         self.origins.insert(entry.key, entry.origin);
@@ -222,21 +245,20 @@ impl Layers {
     }
 
     fn finish(mut self) -> Result<TrainConfig, SettingsError> {
-        let Err(source) = self.config.validate() else { return Ok(self.config) };
-        match self.origins.remove(source.key) {
-            Some(origin) => Err(SettingsError::OutOfRange { origin, source }),
-            None => Err(source.into()),
+        let Err(error) = self.config.validate() else { return Ok(self.config) };
+        match self.origins.remove(error.key) {
+            Some(origin) => Err(SettingsError::OutOfRange { origin, error }),
+            None => Err(error.into()),
         }
     }
 }
 
-/// The value of a dotted key that is not a section.
-fn leaf<'a>(table: &'a mut Table, key: &str) -> Option<&'a mut Value> {
-    let value = match key.split_once('.') {
-        Some((section, rest)) => leaf(table.get_mut(section)?.as_table_mut()?, rest)?,
-        None => table.get_mut(key)?,
-    };
-    (!value.is_table()).then_some(value)
+/// The value of a dotted key.
+fn lookup<'a>(table: &'a mut Table, key: &str) -> Option<&'a mut Value> {
+    match key.split_once('.') {
+        Some((section, rest)) => lookup(table.get_mut(section)?.as_table_mut()?, rest),
+        None => table.get_mut(key),
+    }
 }
 
 /// The known key that looks most like `key`, if any does.
@@ -341,10 +363,12 @@ pub(crate) enum SettingsError {
     Fixed { key: String },
     #[error("{origin}: there is no setting `{key}`")]
     Unknown { origin: Origin, key: String, nearest: Option<String> },
+    #[error("{origin}: `{key}` is a section, not a setting")]
+    Section { origin: Origin, key: String },
     #[error("{origin}: `{key}`: {problem}")]
     Mistyped { origin: Origin, key: String, problem: String },
-    #[error("{origin}: {source}")]
-    OutOfRange { origin: Origin, source: ConfigError },
+    #[error("{origin}: {error}")]
+    OutOfRange { origin: Origin, error: ConfigError },
     #[error(transparent)]
     Combination(#[from] ConfigError),
     #[error("the settings do not fit into a TOML file")]
