@@ -195,41 +195,46 @@ fn wrong_settings_in_a_file_are_shown_with_their_place() {
     ");
     assert_snapshot!(config("[agent]\ndiscount = \"high\"\n"), @r#"
     exit 3
-    error: run.toml:2:1: `agent.discount`: invalid type: string "high", expected f32
+    error: run.toml:2:1: `agent.discount`: invalid type: string "high", expected a number
 
     hint: `rher config <TASK>` prints every setting with its value
     "#);
     assert_snapshot!(config("[agent]\nhidden = [8, -8]\n"), @"
     exit 3
-    error: run.toml:2:1: `agent.hidden`: invalid value: integer `-8`, expected usize
+    error: run.toml:2:1: `agent.hidden`: invalid value: integer `-8`, expected a whole number, at least 0
 
     hint: `rher config <TASK>` prints every setting with its value
     ");
     assert_snapshot!(config("[relay]\ngoal_frame = \"relatve\"\n"), @"
     exit 3
-    error: run.toml:2:1: `relay.goal_frame`: unknown variant `relatve`, expected `absolute` or `relative`
+    error: run.toml:2:1: `relay.goal_frame`: unknown value `relatve`, expected `absolute` or `relative`
 
     hint: `rher config <TASK>` prints every setting with its value
     ");
     assert_snapshot!(config("[agent]\n# Too far.\ndiscount = 1.5\n"), @"
     exit 3
-    error: run.toml:3:1: `agent.discount` is 1.5, expected at least 0 and below 1: `agent.discount` is 1.5, expected at least 0 and below 1
+    error: run.toml:3:1: `agent.discount` is 1.5, expected at least 0 and below 1
 
     hint: `rher config <TASK>` prints every setting with its value
     ");
     assert_snapshot!(config("until = nan\n"), @"
     exit 3
-    error: run.toml:1:1: `until` is NaN, expected 0 to 1: `until` is NaN, expected 0 to 1
+    error: run.toml:1:1: `until` is NaN, expected 0 to 1
 
     hint: `rher config <TASK>` prints every setting with its value
     ");
     assert_snapshot!(config("agent = 3\n"), @"
     exit 3
-    error: run.toml:1:1: there is no setting `agent`
+    error: run.toml:1:1: `agent` is a section, not a setting
 
-    hint: did you mean `agent.init`? `rher config <TASK>` prints every setting with its value
+    hint: `rher config <TASK>` prints every setting with its value
     ");
-    assert_snapshot!(config("[agnt]\n"), @"");
+    assert_snapshot!(config("[agnt]\n"), @"
+    exit 3
+    error: run.toml:1:2: there is no setting `agnt`
+
+    hint: did you mean `agent`? `rher config <TASK>` prints every setting with its value
+    ");
     assert_snapshot!(config("seed = \n"), @"
     exit 3
     error: run.toml:1:8: string values must be quoted, expected literal string
@@ -250,7 +255,7 @@ fn wrong_settings_in_a_file_are_shown_with_their_place() {
     ");
     assert_snapshot!(config("preset = \"slow\"\n"), @"
     exit 3
-    error: run.toml:1:1: `preset`: unknown variant `slow`, expected one of `fast`, `sample-efficient`, `paper`
+    error: run.toml:1:1: `preset`: unknown value `slow`, expected one of `fast`, `sample-efficient`, `paper`
 
     hint: `rher config <TASK>` prints every setting with its value
     ");
@@ -281,13 +286,13 @@ fn wrong_settings_on_the_command_line_are_refused() {
     ");
     assert_snapshot!(rher.run("train push --set agent.hidden=wide"), @r#"
     exit 2
-    error: --set: `agent.hidden`: invalid type: string "wide", expected a sequence
+    error: --set: `agent.hidden`: invalid type: string "wide", expected a list in brackets
 
     hint: `rher config <TASK>` prints every setting with its value
     "#);
     assert_snapshot!(rher.run("train push --set agent.critics=3"), @"
     exit 2
-    error: --set: `agent.critics` is 3, expected 1 (DDPG) or 2 (TD3): `agent.critics` is 3, expected 1 (DDPG) or 2 (TD3)
+    error: --set: `agent.critics` is 3, expected 1 (DDPG) or 2 (TD3)
 
     hint: `rher config <TASK>` prints every setting with its value
     ");
@@ -405,8 +410,10 @@ fn what_is_no_policy_is_not_evaluated() {
     hint: a policy file is the `policy.safetensors` of a run folder
     ");
     assert_snapshot!(rher.run("eval missing"), @"
-    exit 1
+    exit 5
     error: cannot read policy file `missing`: No such file or directory (os error 2)
+
+    hint: name a run folder with a policy, or a policy file
     ");
 }
 
@@ -418,13 +425,13 @@ fn folders_that_cannot_be_written_are_told() {
     exit 6
     error: cannot write `file/run`: Not a directory (os error 20)
 
-    hint: choose a folder that you may write in
+    hint: choose a place that you may write in
     ");
     assert_snapshot!(rher.run("train push --out file"), @"
     exit 6
     error: cannot write `file`: File exists (os error 17)
 
-    hint: choose a folder that you may write in
+    hint: choose a place that you may write in
     ");
 }
 

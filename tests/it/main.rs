@@ -1,5 +1,7 @@
 //! The `rher` program, tested from outside.
 
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
 mod cli;
 mod determinism;
 mod resume;

@@ -137,14 +137,14 @@ fn a_truncated_checkpoint_is_named_with_the_last_good_one() {
     exit 8
     error: `run/checkpoint/current.ckpt` is damaged: 76 bytes of state, expected 29577; the last good one is `run/checkpoint/previous.ckpt`, at environment step 250
 
-    hint: nothing was changed; the policy file still works
+    hint: nothing was changed; an earlier checkpoint that is renamed to `current.ckpt` can be resumed, and the policy file still works
     ");
     fs::write(&path, b"").unwrap();
     assert_snapshot!(rher.run("train --resume run"), @"
     exit 8
     error: `run/checkpoint/current.ckpt` is damaged: 0 bytes, shorter than its header; the last good one is `run/checkpoint/previous.ckpt`, at environment step 250
 
-    hint: nothing was changed; the policy file still works
+    hint: nothing was changed; an earlier checkpoint that is renamed to `current.ckpt` can be resumed, and the policy file still works
     ");
     let straight = rher.metrics("run");
     fs::rename(rher.path("run/checkpoint/previous.ckpt"), &path).unwrap();

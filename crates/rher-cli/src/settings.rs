@@ -276,12 +276,14 @@ fn nearest(table: &Table, key: &str) -> Option<String> {
         .map(|(_, known)| known)
 }
 
+/// Settings and sections, dotted.
 fn known_keys(table: &Table) -> Vec<String> {
     table
         .iter()
         .flat_map(|(name, value)| match value {
             Value::Table(section) => {
-                known_keys(section).iter().map(|key| format!("{name}.{key}")).collect()
+                let keys = known_keys(section).into_iter().map(|key| format!("{name}.{key}"));
+                std::iter::once(name.clone()).chain(keys).collect()
             }
             _ => vec![name.clone()],
         })

@@ -7,7 +7,7 @@ use rher_core::event::{Metrics, Progress};
 use std::io::{self, IsTerminal as _};
 use std::time::{Duration, Instant};
 
-const TEMPLATE: &str = "{wide_bar} {percent:>3} %  {msg}";
+const TEMPLATE: &str = "{wide_bar} {percent:>3} %\n{wide_msg}";
 
 /// Shows how far a run is.
 pub(crate) struct ProgressView {
@@ -55,7 +55,7 @@ impl ProgressView {
             .iter()
             .map(|rate| rate.map_or("–".to_owned(), |rate| percent(f64::from(rate))))
             .collect();
-        self.results = format!("success {}  guide {}", rates.join(" · "), metrics.guide);
+        self.results = format!("guide {}  success {}", metrics.guide, rates.join(" · "));
         let line = self.line(metrics.env_steps);
         match &self.bar {
             Some(bar) => bar.set_message(line),
@@ -84,12 +84,12 @@ impl ProgressView {
         let rate = (env_steps - self.started_at) as f64 / seconds.max(f64::EPSILON);
         let left = self.env_steps.saturating_sub(env_steps) as f64 / rate.max(f64::EPSILON);
         format!(
-            "{} of {} steps  {} steps/s  {}  ETA {}",
+            "{} of {} steps  {} steps/s  ETA {}  {}",
             thousands(env_steps),
             thousands(self.env_steps),
             thousands(rate as u64),
-            self.results,
             duration(left),
+            self.results,
         )
     }
 }
