@@ -1,6 +1,6 @@
 //! Which instructions the kernels use.
 
-use pulp::{Arch, NullaryFnOnce};
+use pulp::{Arch, WithSimd};
 
 /// The vector instructions of this machine, chosen when the program runs.
 #[derive(Clone, Copy, Debug)]
@@ -24,8 +24,21 @@ impl Simd {
         self.0
     }
 
-    /// Runs plain loops compiled for these instructions.
-    pub(super) fn run<F: NullaryFnOnce>(self, kernel: F) -> F::Output {
-        self.0.dispatch(kernel)
+    /// Runs plain loops compiled for these instructions; the closure must be `#[inline(always)]`.
+    pub(super) fn run<R>(self, kernel: impl FnMut() -> R) -> R {
+        self.0.dispatch(Kernel(kernel))
+    }
+}
+
+struct Kernel<F>(F);
+
+impl<R, F: FnMut() -> R> WithSimd for Kernel<F> {
+    type Output = R;
+
+    // A closure called by value goes through a shim that is not inlined.
+    #[expect(clippy::inline_always, reason = "vector instructions reach only what is inlined")]
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(mut self, _: S) -> R {
+        (self.0)()
     }
 }
