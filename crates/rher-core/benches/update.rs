@@ -1,5 +1,4 @@
 //! Time of one update of the learner, by engine, batch, inputs and threads.
-#![expect(missing_docs, reason = "criterion's macros write functions")]
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use rand::{RngExt as _, SeedableRng as _};

@@ -80,7 +80,7 @@ struct Span<'a> {
     second_moment: &'a mut [f32],
 }
 
-impl<'a> Span<'a> {
+impl Span<'_> {
     fn split_at(self, middle: usize) -> (Self, Self) {
         let (online, online_rest) = self.online.split_at_mut(middle);
         let (target, target_rest) = self.target.split_at_mut(middle);

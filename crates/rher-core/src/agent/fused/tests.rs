@@ -102,7 +102,7 @@ fn reference(shape: &Shape, parameters: &[f64], inputs: &[f64]) -> Vec<f64> {
                 }
             }
             if index + 1 < layers.len() {
-                said.iter_mut().for_each(|x| *x = x.max(0.0));
+                said = said.into_iter().map(|x| x.max(0.0)).collect();
             }
             next.extend(said);
         }
@@ -173,8 +173,8 @@ fn actor_loss(
     critic: &Trained,
     batch: &Batch,
 ) -> f64 {
-    let mut actions = reference(shape, parameters, &doubles(&batch.inputs));
-    actions.iter_mut().for_each(|x| *x = x.tanh());
+    let said = reference(shape, parameters, &doubles(&batch.inputs));
+    let actions: Vec<f64> = said.into_iter().map(f64::tanh).collect();
     let inputs = side_by_side(&batch.inputs, &actions);
     let values = reference(&critic.shape, &doubles(&critic.online), &inputs);
     let mean_square = mean(actions.iter().map(|a| a.powi(2)));
