@@ -10,14 +10,18 @@ impl Simd {
     /// The best that the machine has, or none with `RHER_SIMD=portable` in the environment.
     pub(super) fn detect() -> Self {
         match std::env::var("RHER_SIMD") {
-            Ok(choice) if choice == "portable" => Self::portable(),
+            Ok(choice) if choice == "portable" => Self(Arch::Scalar),
             _ => Self(Arch::new()),
         }
     }
 
-    /// Only what every machine has.
-    pub(super) fn portable() -> Self {
-        Self(Arch::Scalar)
+    /// All that this machine has.
+    #[cfg(test)]
+    pub(super) fn every() -> Vec<Self> {
+        let mut every = vec![Self(Arch::Scalar), Self(Arch::new())];
+        #[cfg(target_arch = "x86_64")]
+        every.extend(pulp::x86::V3::try_new().map(|avx2| Self(Arch::V3(avx2))));
+        every
     }
 
     pub(super) fn arch(self) -> Arch {
