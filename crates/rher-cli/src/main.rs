@@ -1,2 +1,26 @@
-//! x
-fn main() {}
+//! The `rher` program: train, evaluate and measure relay hindsight policies.
+
+mod cli;
+mod commands;
+mod error;
+mod exit_code;
+mod observe;
+mod printer;
+mod run_dir;
+mod settings;
+
+use clap::Parser as _;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let cli = cli::Cli::parse();
+    let printer = printer::Printer::new(cli.verbosity());
+    match commands::run(cli.command, printer) {
+        Ok(status) => status.into(),
+        Err(error) => {
+            let report = error::Report::of(&error);
+            printer.error(&error, report.hint.as_deref());
+            report.status.into()
+        }
+    }
+}

@@ -55,6 +55,16 @@ pub enum Method {
     Her,
 }
 
+impl Method {
+    /// Name in files and on the command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Rher => "rher",
+            Self::Her => "her",
+        }
+    }
+}
+
 /// How goals enter the networks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]

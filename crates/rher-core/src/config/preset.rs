@@ -24,6 +24,15 @@ impl Preset {
     /// Every preset, the default first.
     pub const ALL: [Self; 3] = [Self::Fast, Self::SampleEfficient, Self::Paper];
 
+    /// Name in files and on the command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Fast => "fast",
+            Self::SampleEfficient => "sample-efficient",
+            Self::Paper => "paper",
+        }
+    }
+
     /// The settings of this preset for a task with `objects` objects.
     pub fn config(self, task: &str, objects: usize) -> TrainConfig {
         let paper = paper(task, objects);

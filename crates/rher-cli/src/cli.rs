@@ -1,0 +1,347 @@
+//! The command line: clap types and value parsers, nothing else.
+
+use crate::exit_code::Status;
+use crate::printer::Verbosity;
+use clap::builder::{
+    PossibleValuesParser, RangedU64ValueParser, TypedValueParser as _, ValueParser,
+};
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use rher_core::agent::config::EngineKind;
+use rher_core::config::{Method, Preset};
+use rher_envs::Task;
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+use std::str::FromStr;
+
+/// Relay Hindsight Experience Replay: robots that learn to push, pick and stack from sparse rewards.
+#[derive(Debug, Parser)]
+#[command(
+    name = "rher",
+    version,
+    max_term_width = 100,
+    propagate_version = true,
+    after_help = "Start with `rher train push`.",
+    after_long_help = format!("Start with `rher train push`.\n\n{}", Status::table()),
+)]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+impl Cli {
+    pub(crate) fn verbosity(&self) -> Verbosity {
+        match &self.command {
+            Command::Train(train) if train.quiet => Verbosity::Quiet,
+            _ => Verbosity::Normal,
+        }
+    }
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// List the tasks: objects, sub-tasks, widths, episode length, tolerances
+    Tasks(TasksArgs),
+    /// Train a policy, from the beginning or on from a checkpoint
+    Train(TrainArgs),
+    /// Measure how often a policy succeeds, with a 95 % confidence interval
+    Eval(EvalArgs),
+    /// Print every setting of a run as TOML, for `rher train --config`
+    Config(ConfigArgs),
+    /// Measure the speed of this machine
+    #[command(subcommand)]
+    Bench(BenchCommand),
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct TasksArgs {
+    /// Print JSON: an array with one object for each task
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, Args)]
+#[command(after_long_help = "\
+Examples:
+  rher train push                          train until it succeeds 95 times in 100
+  rher train push --method her --seed 2    the baseline: plain hindsight, no relay
+  rher train pick --preset paper --envs 19 the published settings, 19 environments side by side
+  rher train push --set agent.hidden=[128,128] --set relay.mirror=0
+  rher train --resume runs/push-rher-fast-1
+
+Ctrl-C finishes the episode, saves and exits 130; a second Ctrl-C exits at once.")]
+pub(crate) struct TrainArgs {
+    /// What to learn; `rher tasks` says more
+    #[arg(required_unless_present = "resume", value_parser = task())]
+    pub(crate) task: Option<Task>,
+
+    #[command(flatten)]
+    pub(crate) settings: SettingsArgs,
+
+    /// Threads that do the work; never part of the result [default: one for each core]
+    #[arg(long, value_name = "N")]
+    pub(crate) workers: Option<NonZeroUsize>,
+
+    /// Run folder to make [default: runs/<TASK>-<METHOD>-<PRESET>-<SEED>]
+    ///
+    /// It gets `config.toml`, `metrics.jsonl` (one line for each evaluation), `checkpoint/` and
+    /// `policy.safetensors`. A folder that already holds a run is left alone.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+
+    /// Go on with the run in this folder, as if it had never stopped
+    ///
+    /// Settings come from the checkpoint; only --workers, --quiet, --env-steps and --until may be
+    /// given with it.
+    #[arg(
+        long,
+        value_name = "DIR",
+        conflicts_with_all = ["task", "preset", "method", "seed", "envs", "config", "set", "out"],
+    )]
+    pub(crate) resume: Option<PathBuf>,
+
+    /// Tell errors only
+    #[arg(short, long)]
+    pub(crate) quiet: bool,
+}
+
+/// Where settings come from.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Settings, each winning over those before it")]
+pub(crate) struct SettingsArgs {
+    /// Settings to start from; `fast` also takes the recipe of the task [default: fast]
+    #[arg(long, value_enum, value_name = "PRESET")]
+    pub(crate) preset: Option<PresetName>,
+
+    /// TOML file with the settings that should differ; `rher config` prints all of them
+    #[arg(long, value_name = "FILE")]
+    pub(crate) config: Option<PathBuf>,
+
+    /// One setting, as in `--set agent.discount=0.98`; may be repeated
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub(crate) set: Vec<Assignment>,
+
+    /// What is trained [default: rher]
+    #[arg(long, value_enum, value_name = "METHOD")]
+    pub(crate) method: Option<MethodName>,
+
+    /// Seed of every random draw
+    #[arg(long, value_name = "N", value_parser = toml_integer(0))]
+    pub(crate) seed: Option<u64>,
+
+    /// End after this many environment steps; evaluations do not count
+    #[arg(long, value_name = "N", value_parser = toml_integer(1))]
+    pub(crate) env_steps: Option<u64>,
+
+    /// End at the second evaluation running with at least this success rate; 0 never does
+    #[arg(long, value_name = "RATE", value_parser = rate)]
+    pub(crate) until: Option<f32>,
+
+    /// Step this many environments side by side between updates: part of the experiment
+    ///
+    /// 1 is the paper's single process, 19 its multi-process setting.
+    #[arg(long, value_name = "N", value_parser = toml_integer(1))]
+    pub(crate) envs: Option<u64>,
+}
+
+#[derive(Debug, Args)]
+#[command(after_long_help = "\
+Examples:
+  rher eval runs/push-rher-fast-1
+  rher eval policy.safetensors --episodes 1000 --seed 7 --json")]
+pub(crate) struct EvalArgs {
+    /// Run folder, or a policy file
+    pub(crate) path: PathBuf,
+
+    /// Episodes for each sub-task
+    #[arg(long, value_name = "N", default_value = "100")]
+    pub(crate) episodes: NonZeroUsize,
+
+    /// Which episodes: the same ones for the same number; training evaluates on those of 0
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = toml_integer(0))]
+    pub(crate) seed: u64,
+
+    /// Threads that do the work; never part of the result [default: one for each core]
+    #[arg(long, value_name = "N")]
+    pub(crate) workers: Option<NonZeroUsize>,
+
+    /// Print JSON: one object
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, Args)]
+#[command(after_long_help = "\
+Examples:
+  rher config push > run.toml              every setting, ready to be changed
+  rher train push --config run.toml")]
+pub(crate) struct ConfigArgs {
+    /// What to learn; `rher tasks` says more
+    #[arg(value_parser = task())]
+    pub(crate) task: Task,
+
+    #[command(flatten)]
+    pub(crate) settings: SettingsArgs,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum BenchCommand {
+    /// Steps per CPU-second of the environments, one thread, random actions
+    Env(BenchEnvArgs),
+    /// Milliseconds per update of the networks
+    Update(BenchUpdateArgs),
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct BenchEnvArgs {
+    /// Only this task; may be repeated [default: every task]
+    #[arg(long = "task", value_name = "TASK", value_parser = task())]
+    pub(crate) tasks: Vec<Task>,
+
+    /// Print JSON: an array with one object for each task
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct BenchUpdateArgs {
+    /// Rows in the batch; may be repeated [default: 128, 256, 1024, 2048]
+    #[arg(long = "batch", value_name = "N")]
+    pub(crate) batches: Vec<NonZeroUsize>,
+
+    /// Numbers in a network input; may be repeated [default: 31, 81]
+    #[arg(long, value_name = "N")]
+    pub(crate) inputs: Vec<NonZeroUsize>,
+
+    /// Threads of the learner; may be repeated [default: 1, 2]
+    #[arg(long, value_name = "N")]
+    pub(crate) threads: Vec<NonZeroUsize>,
+
+    /// Only this engine [default: every engine]
+    #[arg(long, value_enum, value_name = "NAME")]
+    pub(crate) engine: Option<EngineName>,
+
+    /// Print JSON: an array with one object for each row
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum PresetName {
+    /// Reaches the success rate soonest on your machine
+    Fast,
+    /// Reaches it in the fewest environment steps
+    SampleEfficient,
+    /// The published settings
+    Paper,
+}
+
+impl From<PresetName> for Preset {
+    fn from(name: PresetName) -> Self {
+        match name {
+            PresetName::Fast => Self::Fast,
+            PresetName::SampleEfficient => Self::SampleEfficient,
+            PresetName::Paper => Self::Paper,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum MethodName {
+    /// Relay hindsight: every sub-task, guided exploration
+    Rher,
+    /// Plain hindsight: the last sub-task alone, no guide
+    Her,
+}
+
+impl From<MethodName> for Method {
+    fn from(name: MethodName) -> Self {
+        match name {
+            MethodName::Rher => Self::Rher,
+            MethodName::Her => Self::Her,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum EngineName {
+    /// Burn's autodiff: the reference
+    Burn,
+    /// Explicit forward and backward passes over preallocated buffers
+    Fused,
+}
+
+impl From<EngineName> for EngineKind {
+    fn from(name: EngineName) -> Self {
+        match name {
+            EngineName::Burn => Self::Burn,
+            EngineName::Fused => Self::Fused,
+        }
+    }
+}
+
+/// One `KEY=VALUE` of `--set`.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Assignment {
+    pub(crate) key: String,
+    pub(crate) value: toml::Value,
+}
+
+impl FromStr for Assignment {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (key, value) =
+            text.split_once('=').ok_or("expected KEY=VALUE, as in `--set agent.discount=0.98`")?;
+        Ok(Self { key: key.trim().to_owned(), value: toml_value(value.trim())? })
+    }
+}
+
+/// TOML, but a bare word needs no quotes.
+fn toml_value(text: &str) -> Result<toml::Value, String> {
+    let is_word = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
+    match toml::de::ValueDeserializer::parse(text).and_then(serde::Deserialize::deserialize) {
+        Ok(value) => Ok(value),
+        Err(_) if !text.is_empty() && text.chars().all(is_word) => Ok(text.into()),
+        Err(error) => Err(format!("`{text}` is not a TOML value: {}", error.message())),
+    }
+}
+
+fn task() -> ValueParser {
+    let names = PossibleValuesParser::new(Task::ALL.iter().map(|task| task.name()));
+    ValueParser::new(names.try_map(|name| name.parse::<Task>()))
+}
+
+/// Integers from `least` to the largest that TOML has.
+fn toml_integer(least: u64) -> RangedU64ValueParser {
+    clap::value_parser!(u64).range(least..=i64::MAX as u64)
+}
+
+fn rate(text: &str) -> Result<f32, String> {
+    match text.parse() {
+        Ok(rate) if (0.0..=1.0).contains(&rate) => Ok(rate),
+        _ => Err("expected a number from 0 to 1".to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory as _;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn set_takes_toml_and_bare_words() {
+        let value = |text: &str| text.parse::<Assignment>().unwrap().value;
+        assert_eq!(value("a.b=[128, 64]"), toml::Value::from(vec![128, 64]));
+        assert_eq!(value("a.b=1e-3"), toml::Value::from(0.001));
+        assert_eq!(value("a.b = true"), toml::Value::from(true));
+        assert_eq!(value("a.b=sample-efficient"), toml::Value::from("sample-efficient"));
+        assert!("a.b=[1".parse::<Assignment>().is_err());
+        assert!("a.b".parse::<Assignment>().is_err());
+        assert!("a.b=".parse::<Assignment>().is_err());
+    }
+}

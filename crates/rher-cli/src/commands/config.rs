@@ -1,0 +1,11 @@
+//! `rher config`: the settings of a run, ready to be changed.
+
+use crate::cli::ConfigArgs;
+use crate::printer::Printer;
+use crate::settings;
+
+pub(crate) fn config(args: &ConfigArgs, printer: Printer) -> anyhow::Result<()> {
+    let settings = settings::resolve(args.task, &args.settings)?;
+    printer.data(&settings::to_toml(&settings)?)?;
+    Ok(())
+}

@@ -1,0 +1,138 @@
+//! `rher eval`: how often a policy succeeds.
+
+use super::{table, text, threads};
+use crate::cli::EvalArgs;
+use crate::error::ForeignTask;
+use crate::observe::percent;
+use crate::printer::Printer;
+use crate::run_dir;
+use rher_core::agent::policy::Policy;
+use rher_core::checkpoint::POLICY_FILE;
+use rher_core::config::{EvaluationConfig, Method, TestPolicy};
+use rher_core::evaluate::{Evaluation, evaluate};
+use rher_envs::{EnvVisitor, Simulated, Task};
+use serde::Serialize;
+
+/// What is printed.
+#[derive(Serialize)]
+struct EvalReport {
+    task: String,
+    success_final: f32,
+    /// Wilson's 95 % interval of `success_final`.
+    ci95: [f64; 2],
+    /// By sub-task; `null` where a sub-task was not trained.
+    success: Vec<Option<f32>>,
+    /// Mean distance of the objects to their targets at the end, in metres.
+    final_distance: f32,
+    episodes: usize,
+    env_seed: u64,
+}
+
+pub(crate) fn eval(args: &EvalArgs, printer: Printer) -> anyhow::Result<()> {
+    let EvalArgs { path, episodes, seed, workers, json } = args;
+    let (policy, run) = if path.is_dir() {
+        (Policy::load(&path.join(POLICY_FILE))?, run_dir::read_config(path))
+    } else {
+        (Policy::load(path)?, None)
+    };
+    let name = policy.about().task.clone();
+    let task: Task = name.parse().map_err(|_| ForeignTask { name: name.clone() })?;
+    let episodes = episodes.get();
+    let evaluation = task.visit(Evaluate {
+        policy: &policy,
+        config: EvaluationConfig {
+            every_episodes: 1,
+            episodes,
+            subtask_episodes: episodes,
+            env_seed: *seed,
+        },
+        test_policy: run.as_ref().map_or(TestPolicy::Final, |run| run.exploration.test_policy),
+        with_subtasks: run.is_none_or(|run| run.relay.method == Method::Rher),
+        workers: threads(*workers),
+    })?;
+    let Evaluation { success, success_final, final_distance } = evaluation;
+    let ci95 = wilson(success_final, episodes);
+    let report = EvalReport {
+        task: name,
+        success_final,
+        ci95,
+        success,
+        final_distance,
+        episodes,
+        env_seed: *seed,
+    };
+    let output = if *json { serde_json::to_string_pretty(&report)? } else { describe(&report) };
+    printer.data(&output)?;
+    Ok(())
+}
+
+/// An evaluation of a task that is known at run time.
+struct Evaluate<'a> {
+    policy: &'a Policy,
+    config: EvaluationConfig,
+    test_policy: TestPolicy,
+    with_subtasks: bool,
+    workers: usize,
+}
+
+impl EnvVisitor for Evaluate<'_> {
+    type Output = anyhow::Result<Evaluation>;
+
+    fn visit<const N: usize, E: Simulated<N>>(self, build: fn() -> E) -> Self::Output {
+        let Self { policy, config, test_policy, with_subtasks, workers } = self;
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(workers).build()?;
+        let mut envs: Vec<E> = (0..workers).map(|_| build()).collect();
+        let evaluation =
+            pool.install(|| evaluate(&mut envs, policy, &config, test_policy, with_subtasks));
+        Ok(evaluation?)
+    }
+}
+
+/// Wilson's score interval, 95 %.
+fn wilson(rate: f32, episodes: usize) -> [f64; 2] {
+    const Z: f64 = 1.959_963_984_540_054;
+    let (rate, n) = (f64::from(rate), episodes as f64);
+    let scale = 1.0 + Z * Z / n;
+    let centre = rate + Z * Z / (2.0 * n);
+    let margin = Z * (rate * (1.0 - rate) / n + Z * Z / (4.0 * n * n)).sqrt();
+    [(centre - margin) / scale, (centre + margin) / scale].map(|bound| bound.clamp(0.0, 1.0))
+}
+
+fn describe(report: &EvalReport) -> String {
+    let [low, high] = report.ci95;
+    let mut lines = table();
+    let mut add = |name: &str, value: String| {
+        lines.add_row([name, &value]);
+    };
+    add("task", report.task.clone());
+    add(
+        "success",
+        format!(
+            "{} of {} episodes (95 % interval {} to {})",
+            percent(report.success_final.into()),
+            report.episodes,
+            percent(low),
+            percent(high)
+        ),
+    );
+    for (index, rate) in report.success.iter().enumerate() {
+        let rate = rate.map_or("not trained".to_owned(), |rate| percent(rate.into()));
+        add(&format!("sub-task {}", index + 1), rate);
+    }
+    add("final distance", format!("{:.1} cm", 100.0 * report.final_distance));
+    add("env seed", report.env_seed.to_string());
+    text(&lines)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::wilson;
+
+    #[test]
+    fn the_interval_is_wilsons() {
+        let [low, high] = wilson(0.95, 100);
+        assert!((low - 0.8882).abs() < 1e-4 && (high - 0.9785).abs() < 1e-4, "{low} {high}");
+        let [low, high] = wilson(1.0, 10);
+        assert!((low - 0.7225).abs() < 1e-4 && (high - 1.0).abs() < 1e-9, "{low} {high}");
+    }
+}

@@ -1,0 +1,45 @@
+//! One module for each verb.
+
+mod bench;
+mod config;
+mod eval;
+mod tasks;
+mod train;
+
+use crate::cli::{BenchCommand, Command};
+use crate::exit_code::Status;
+use crate::printer::Printer;
+use comfy_table::Table;
+use comfy_table::presets::NOTHING;
+use std::num::NonZeroUsize;
+
+/// Does what `command` says.
+pub(crate) fn run(command: Command, printer: Printer) -> anyhow::Result<Status> {
+    match command {
+        Command::Tasks(args) => tasks::tasks(&args, printer)?,
+        Command::Train(args) => return train::train(&args, printer),
+        Command::Eval(args) => eval::eval(&args, printer)?,
+        Command::Config(args) => config::config(&args, printer)?,
+        Command::Bench(BenchCommand::Env(args)) => bench::env::bench_env(&args, printer)?,
+        Command::Bench(BenchCommand::Update(args)) => bench::update::bench_update(&args, printer)?,
+    }
+    Ok(Status::Success)
+}
+
+/// As many threads as were asked for, or as there are cores.
+fn threads(asked: Option<NonZeroUsize>) -> usize {
+    let cores = || std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
+    asked.map_or_else(cores, NonZeroUsize::get)
+}
+
+/// An empty table without lines, as `awk` likes it.
+fn table() -> Table {
+    let mut table = Table::new();
+    table.load_style(NOTHING);
+    table
+}
+
+/// A table as text, without blanks around its lines.
+fn text(table: &Table) -> String {
+    table.lines().map(|line| line.trim().to_owned() + "\n").collect()
+}

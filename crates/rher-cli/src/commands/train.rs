@@ -1,0 +1,195 @@
+//! `rher train`: a new run, or one that goes on.
+
+use super::threads;
+use crate::cli::{SettingsArgs, TrainArgs};
+use crate::error::ForeignTask;
+use crate::exit_code::Status;
+use crate::observe::{MetricsFile, ProgressView, Watch, duration, percent, thousands};
+use crate::printer::Printer;
+use crate::run_dir::RunDir;
+use crate::settings;
+use anyhow::Context as _;
+use rher_core::checkpoint;
+use rher_core::config::TrainConfig;
+use rher_core::event::{Metrics, Progress, Seconds};
+use rher_core::train::{Finish, Trainer};
+use rher_envs::{EnvVisitor, Simulated, Task};
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+pub(crate) fn train(args: &TrainArgs, printer: Printer) -> anyhow::Result<Status> {
+    let TrainArgs { task, settings, workers, out, resume, quiet: _ } = args;
+    let workers = threads(*workers);
+    match (resume, task) {
+        (Some(path), _) => go_on(path, settings, workers, printer),
+        (None, Some(task)) => {
+            let config = settings::resolve(*task, settings)?;
+            let path = out.clone().unwrap_or_else(|| RunDir::default_path(&config));
+            begin(*task, config, &path, workers, printer)
+        }
+        (None, None) => unreachable!("clap asks for a task where there is nothing to resume"),
+    }
+}
+
+/// Starts a run in a folder of its own.
+fn begin(
+    task: Task,
+    config: TrainConfig,
+    path: &Path,
+    workers: usize,
+    printer: Printer,
+) -> anyhow::Result<Status> {
+    let folder = RunDir::create(path)?;
+    task.visit(Session { folder, config, start: Start::New, workers, printer })
+}
+
+/// Goes on with the run in a folder.
+fn go_on(
+    path: &Path,
+    settings: &SettingsArgs,
+    workers: usize,
+    printer: Printer,
+) -> anyhow::Result<Status> {
+    let folder = RunDir::open(path)?;
+    let config = checkpoint::read_config(path)?;
+    let name = config.task.clone();
+    let task: Task = name.parse().map_err(|_| ForeignTask { name })?;
+    let start = Start::Resumed { env_steps: settings.env_steps, until: settings.until };
+    task.visit(Session { folder, config, start, workers, printer })
+}
+
+/// Training on a task that is known at run time.
+struct Session {
+    folder: RunDir,
+    config: TrainConfig,
+    start: Start,
+    workers: usize,
+    printer: Printer,
+}
+
+enum Start {
+    New,
+    /// From the checkpoint, with other ends if they are given.
+    Resumed {
+        env_steps: Option<u64>,
+        until: Option<f32>,
+    },
+}
+
+impl EnvVisitor for Session {
+    type Output = anyhow::Result<Status>;
+
+    fn visit<const N: usize, E: Simulated<N>>(self, build: fn() -> E) -> Self::Output {
+        let Self { folder, config, start, workers, printer } = self;
+        let envs: Vec<E> = (0..config.envs.max(workers)).map(|_| build()).collect();
+        let (trainer, metrics) = match start {
+            Start::New => {
+                let trainer = Trainer::new(config, envs, workers)?;
+                (trainer, MetricsFile::create(&folder.metrics())?)
+            }
+            Start::Resumed { env_steps, until } => {
+                let mut trainer = Trainer::resume(folder.path(), envs, workers)?;
+                if let Some(env_steps) = env_steps {
+                    trainer.set_env_steps(env_steps);
+                }
+                if let Some(until) = until {
+                    trainer.set_until(until);
+                }
+                if let Some(finish) = trainer.finished() {
+                    printer.note(already_finished(finish, &folder, trainer.progress()));
+                    return Ok(Status::Success);
+                }
+                let metrics = MetricsFile::resume(&folder.metrics(), trainer.evaluations())?;
+                (trainer, metrics)
+            }
+        };
+        folder.write_config(trainer.config())?;
+        run(trainer, metrics, &folder, printer)
+    }
+}
+
+fn run<const N: usize, E: Simulated<N>>(
+    mut trainer: Trainer<N, E>,
+    metrics: MetricsFile,
+    folder: &RunDir,
+    printer: Printer,
+) -> anyhow::Result<Status> {
+    printer.note(format_args!("run folder: {}", folder.path().display()));
+    let progress = ProgressView::new(printer, trainer.config(), trainer.progress());
+    let stop = stop_on_interrupt(progress.teller())?;
+    let mut watch = Watch { metrics, progress, last: None };
+    let finish = trainer.run(Some(folder.path()), &mut watch, &stop);
+    watch.progress.finish();
+    let finish = finish?;
+    printer.note(summary(finish, trainer.progress(), watch.last.as_ref(), folder));
+    Ok(match finish {
+        Finish::Solved | Finish::StepsSpent => Status::Success,
+        Finish::Stopped => Status::Interrupted,
+    })
+}
+
+/// A flag that the first Ctrl-C sets; the second one ends the program.
+fn stop_on_interrupt(tell: impl Fn(&str) + Send + 'static) -> anyhow::Result<Arc<AtomicBool>> {
+    let stop = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&stop);
+    ctrlc::set_handler(move || {
+        if flag.swap(true, Ordering::Relaxed) {
+            std::process::exit(Status::Interrupted as i32);
+        }
+        tell("finishing the episode; Ctrl-C again leaves at once, back to the last checkpoint");
+    })
+    .context("cannot listen to Ctrl-C")?;
+    Ok(stop)
+}
+
+fn already_finished(finish: Finish, folder: &RunDir, progress: Progress) -> String {
+    let steps = thousands(progress.env_steps);
+    let end = match finish {
+        Finish::Solved => "it reached its success rate",
+        Finish::StepsSpent | Finish::Stopped => "it took all of its steps",
+    };
+    format!(
+        "`{}` is finished: {end}, after {steps} steps\n\n\
+         hint: `--env-steps N` or `--until RATE` take it further",
+        folder.path().display()
+    )
+}
+
+/// How a run ended, where its time went, and where its policy is.
+fn summary(finish: Finish, progress: Progress, last: Option<&Metrics>, folder: &RunDir) -> String {
+    let end = match finish {
+        Finish::Solved => "solved",
+        Finish::StepsSpent => "all steps taken",
+        Finish::Stopped => "stopped",
+    };
+    let mut lines = vec![format!("{end} after {} steps", thousands(progress.env_steps))];
+    if let Some(Metrics { success_final, final_distance, wall_s, time, .. }) = last {
+        lines.push(format!(
+            "success {}, objects {:.1} cm from their targets at the end",
+            percent((*success_final).into()),
+            100.0 * final_distance
+        ));
+        lines.push(format!("time    {}: {}", duration(*wall_s), shares(time)));
+    }
+    lines.push(format!("policy  {}", folder.policy().display()));
+    if finish == Finish::Stopped {
+        let path = folder.path().display();
+        lines.push(format!("`rher train --resume {path}` goes on"));
+    }
+    lines.join("\n")
+}
+
+fn shares(time: &Seconds) -> String {
+    let Seconds { rollout, relabel, update, evaluate, save } = *time;
+    let total = rollout + relabel + update + evaluate + save;
+    let parts = [
+        ("rollout", rollout),
+        ("relabel", relabel),
+        ("update", update),
+        ("evaluate", evaluate),
+        ("save", save),
+    ];
+    let parts = parts.map(|(name, seconds)| format!("{name} {}", percent(seconds / total)));
+    parts.join(", ")
+}

@@ -1,0 +1,212 @@
+//! What went wrong, told once: with an exit status, and with a way out where there is one.
+
+use crate::exit_code::Status;
+use crate::observe::MetricsError;
+use crate::printer::StdoutError;
+use crate::run_dir::{RunDirError, WriteError};
+use crate::settings::{Origin, SettingsError, Source};
+use rher_core::agent::policy::PolicyError;
+use rher_core::checkpoint::CheckpointError;
+use rher_core::episode::RolloutError;
+use rher_core::evaluate::EvaluateError;
+use rher_core::event::ObserverError;
+use rher_core::train::TrainError;
+use std::error::Error;
+use std::io;
+
+/// A run or a policy is of a task that is not part of this program.
+#[derive(Debug, thiserror::Error)]
+#[error("it was made for task `{name}`, which is not part of this program")]
+pub(crate) struct ForeignTask {
+    pub(crate) name: String,
+}
+
+/// How an error is told.
+#[derive(Debug, PartialEq)]
+pub(crate) struct Report {
+    pub(crate) status: Status,
+    pub(crate) hint: Option<String>,
+}
+
+impl Report {
+    /// The report of whatever a command returned.
+    pub(crate) fn of(error: &anyhow::Error) -> Self {
+        let report = error.chain().find_map(Self::of_cause);
+        report.unwrap_or(Self { status: Status::Failure, hint: None })
+    }
+
+    fn of_cause(cause: &(dyn Error + 'static)) -> Option<Self> {
+        let foreign = |_: &ForeignTask| {
+            Self::new(Status::Usage, "`rher tasks` lists the tasks of this program")
+        };
+        None.or_else(|| cause.downcast_ref().map(Self::of_settings))
+            .or_else(|| cause.downcast_ref().and_then(Self::of_run_dir))
+            .or_else(|| cause.downcast_ref().and_then(Self::of_train))
+            .or_else(|| cause.downcast_ref().and_then(Self::of_checkpoint))
+            .or_else(|| cause.downcast_ref().and_then(Self::of_policy))
+            .or_else(|| cause.downcast_ref().and_then(Self::of_evaluate))
+            .or_else(|| cause.downcast_ref().and_then(Self::of_metrics))
+            .or_else(|| cause.downcast_ref().map(foreign))
+            .or_else(|| cause.downcast_ref().map(|StdoutError(error)| Self::of_write(error)))
+            .or_else(|| {
+                cause.downcast_ref().map(|WriteError { source, .. }| Self::of_write(source))
+            })
+    }
+
+    fn new(status: Status, hint: impl Into<String>) -> Self {
+        Self { status, hint: Some(hint.into()) }
+    }
+
+    fn of_settings(error: &SettingsError) -> Self {
+        const EVERY: &str = "`rher config <TASK>` prints every setting with its value";
+        let status = |origin: &Origin| match origin.source {
+            Source::File(_) => Status::ConfigFile,
+            Source::Recipe(_) | Source::Set | Source::Option(_) => Status::Usage,
+        };
+        match error {
+            SettingsError::Read { .. } => {
+                Self::new(Status::ConfigFile, "`rher config <TASK> > run.toml` makes one")
+            }
+            SettingsError::Syntax { .. } => {
+                Self::new(Status::ConfigFile, "`rher config <TASK>` prints a file to start from")
+            }
+            SettingsError::Version { .. } => Self::new(
+                Status::ConfigVersion,
+                "make a new file with `rher config <TASK>`, and carry your changes over",
+            ),
+            SettingsError::OtherTask { found, .. } => {
+                Self::new(Status::ConfigFile, format!("`rher train {found}`, or delete that line"))
+            }
+            SettingsError::OtherPreset { .. } => {
+                Self::new(Status::ConfigFile, "leave --preset out, or delete that line")
+            }
+            SettingsError::Fixed { key } => {
+                let hint = match key.as_str() {
+                    "preset" => "use --preset",
+                    "task" => "name the task itself: `rher train push`",
+                    _ => "it is the version of this program's format",
+                };
+                Self::new(Status::Usage, hint)
+            }
+            SettingsError::Unknown { origin, nearest: Some(nearest), .. } => {
+                Self::new(status(origin), format!("did you mean `{nearest}`? {EVERY}"))
+            }
+            SettingsError::Unknown { origin, nearest: None, .. }
+            | SettingsError::Section { origin, .. }
+            | SettingsError::Mistyped { origin, .. }
+            | SettingsError::OutOfRange { origin, .. } => Self::new(status(origin), EVERY),
+            SettingsError::Combination(_) => Self::new(Status::Usage, EVERY),
+            SettingsError::Unwritten(_) => Self { status: Status::Failure, hint: None },
+        }
+    }
+
+    fn of_run_dir(error: &RunDirError) -> Option<Self> {
+        let hint = match error {
+            RunDirError::InUse { .. } => {
+                "wait until it is done, or choose another folder with --out".to_owned()
+            }
+            RunDirError::Exists { path } => format!(
+                "`rher train --resume {}` goes on with it, `--out DIR` starts elsewhere",
+                path.display()
+            ),
+            RunDirError::NoRun { .. } => "`rher train <TASK> --out DIR` starts one".to_owned(),
+            RunDirError::Write(error) => return Some(Self::of_write(&error.source)),
+        };
+        Some(Self::new(Status::RunFolder, hint))
+    }
+
+    fn of_train(error: &TrainError) -> Option<Self> {
+        match error {
+            TrainError::Checkpoint(error) => Self::of_checkpoint(error),
+            TrainError::Rollout { source, .. } => Some(Self::of_rollout(source)),
+            TrainError::Evaluate { source, .. } => Self::of_evaluate(source),
+            TrainError::NotFinite { .. } => Some(Self::new(
+                Status::NotFinite,
+                "the last checkpoint is good; smaller `agent.actor_learning_rate` and \
+                 `agent.critic_learning_rate` help against divergence",
+            )),
+            TrainError::Config(_) => Some(Self { status: Status::Usage, hint: None }),
+            TrainError::Observer(ObserverError(error)) => {
+                error.downcast_ref().map(|WriteError { source, .. }| Self::of_write(source))
+            }
+            TrainError::TooFewEnvs { .. } | TrainError::Threads { .. } => None,
+        }
+    }
+
+    fn of_evaluate(error: &EvaluateError) -> Option<Self> {
+        match error {
+            EvaluateError::Rollout(error) => Some(Self::of_rollout(error)),
+            EvaluateError::Mismatch(_) => None,
+        }
+    }
+
+    fn of_rollout(error: &RolloutError) -> Self {
+        match error {
+            RolloutError::Env { .. } => Self { status: Status::Environment, hint: None },
+            RolloutError::NotFinite { .. } => Self::new(
+                Status::NotFinite,
+                "the environment is at fault, not the learner; the seed above repeats its episode",
+            ),
+        }
+    }
+
+    fn of_checkpoint(error: &CheckpointError) -> Option<Self> {
+        match error {
+            CheckpointError::Damaged { path, .. } => {
+                let hint = if path.extension().is_some_and(|extension| extension == "ckpt") {
+                    "nothing was changed; an earlier checkpoint that is renamed to `current.ckpt` \
+                     can be resumed, and the policy file still works"
+                } else {
+                    "nothing was changed; the policy file still works"
+                };
+                Some(Self::new(Status::Damaged, hint))
+            }
+            CheckpointError::Version { .. } => Some(Self::new(
+                Status::Damaged,
+                "resume it with the version of `rher` that made it; its policy still works",
+            )),
+            CheckpointError::Missing { .. } => {
+                Some(Self::new(Status::RunFolder, "`rher train <TASK> --out DIR` starts a run"))
+            }
+            CheckpointError::Policy(error) => Self::of_policy(error),
+            CheckpointError::Mismatch { .. } => Some(Self { status: Status::Damaged, hint: None }),
+            CheckpointError::Io { verb: "write", source, .. } => Some(Self::of_write(source)),
+            CheckpointError::Io { .. } => None,
+        }
+    }
+
+    fn of_policy(error: &PolicyError) -> Option<Self> {
+        match error {
+            PolicyError::Malformed { .. } => Some(Self::new(
+                Status::Damaged,
+                "a policy file is the `policy.safetensors` of a run folder",
+            )),
+            PolicyError::Io { verb: "write", source, .. } => Some(Self::of_write(source)),
+            PolicyError::Io { source, .. } if source.kind() == io::ErrorKind::NotFound => Some(
+                Self::new(Status::RunFolder, "name a run folder with a policy, or a policy file"),
+            ),
+            PolicyError::Io { .. } => None,
+        }
+    }
+
+    fn of_metrics(error: &MetricsError) -> Option<Self> {
+        match error {
+            MetricsError::TooShort { .. } => Some(Self::new(
+                Status::Damaged,
+                "bring the file back, or start a new run with --out",
+            )),
+            MetricsError::Write(error) => Some(Self::of_write(&error.source)),
+            MetricsError::Read { .. } => None,
+        }
+    }
+
+    fn of_write(error: &io::Error) -> Self {
+        match error.kind() {
+            io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => Self::new(
+                Status::DiskFull,
+                "make room; `rher train --resume DIR` goes on from the last checkpoint",
+            ),
+            _ => Self::new(Status::Unwritable, "choose a place that you may write in"),
+        }
+    }
+}

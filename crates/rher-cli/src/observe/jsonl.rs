@@ -1,0 +1,74 @@
+//! `metrics.jsonl`: what every evaluation found, one JSON object in a line.
+
+use crate::run_dir::WriteError;
+use rher_core::event::Metrics;
+use std::fs::{File, OpenOptions};
+use std::io::{self, Read as _, Seek as _, Write as _};
+use std::path::{Path, PathBuf};
+
+/// The file, open at its end.
+#[derive(Debug)]
+pub(crate) struct MetricsFile {
+    path: PathBuf,
+    file: File,
+}
+
+/// The metrics of a run cannot be continued.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum MetricsError {
+    #[error("cannot read `{}`", path.display())]
+    Read { path: PathBuf, source: io::Error },
+    #[error(
+        "`{}` has {found} complete lines, but the checkpoint was made after {expected} evaluations",
+        path.display()
+    )]
+    TooShort { path: PathBuf, found: u64, expected: u64 },
+    #[error(transparent)]
+    Write(#[from] WriteError),
+}
+
+impl MetricsFile {
+    /// An empty file.
+    pub(crate) fn create(path: &Path) -> Result<Self, WriteError> {
+        let file = File::create(path);
+        let file = file.map_err(|source| WriteError { path: path.to_owned(), source })?;
+        Ok(Self { path: path.to_owned(), file })
+    }
+
+    /// The file of a run whose checkpoint knows of `evaluations` lines; later ones are cut off,
+    /// since they will be written again.
+    pub(crate) fn resume(path: &Path, evaluations: u64) -> Result<Self, MetricsError> {
+        let unreadable = |source| MetricsError::Read { path: path.to_owned(), source };
+        let mut file = OpenOptions::new().read(true).write(true).open(path).map_err(unreadable)?;
+        let mut text = Vec::new();
+        file.read_to_end(&mut text).map_err(unreadable)?;
+        let lines = text.split_inclusive(|&byte| byte == b'\n');
+        let complete = lines.filter(|line| line.ends_with(b"\n"));
+        let lengths: Vec<u64> = complete.map(|line| line.len() as u64).collect();
+        let found = lengths.len() as u64;
+        if found < evaluations {
+            return Err(MetricsError::TooShort {
+                path: path.to_owned(),
+                found,
+                expected: evaluations,
+            });
+        }
+        let kept = lengths[..evaluations as usize].iter().sum();
+        file.set_len(kept)
+            .and_then(|()| file.seek(io::SeekFrom::End(0)))
+            .map_err(|source| WriteError { path: path.to_owned(), source })?;
+        Ok(Self { path: path.to_owned(), file })
+    }
+
+    /// Writes one line, and sees it onto the disk: a checkpoint will count on it.
+    pub(crate) fn append(&mut self, metrics: &Metrics) -> Result<(), WriteError> {
+        serde_json::to_vec(metrics)
+            .map_err(io::Error::from)
+            .and_then(|mut line| {
+                line.push(b'\n');
+                self.file.write_all(&line)?;
+                self.file.sync_data()
+            })
+            .map_err(|source| WriteError { path: self.path.clone(), source })
+    }
+}

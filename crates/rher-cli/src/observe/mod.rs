@@ -1,0 +1,33 @@
+//! Those who watch a run.
+
+mod jsonl;
+mod progress;
+
+pub(crate) use jsonl::{MetricsError, MetricsFile};
+pub(crate) use progress::{ProgressView, duration, percent, thousands};
+
+use rher_core::event::{Event, Metrics, Observer, ObserverError};
+
+/// Writes metrics down and shows progress.
+pub(crate) struct Watch {
+    pub(crate) metrics: MetricsFile,
+    pub(crate) progress: ProgressView,
+    /// The last evaluation that was seen.
+    pub(crate) last: Option<Metrics>,
+}
+
+impl Observer for Watch {
+    fn on(&mut self, event: &Event) -> Result<(), ObserverError> {
+        match event {
+            Event::Progress(progress) => self.progress.advance(*progress),
+            Event::Evaluated(metrics) => {
+                let written = self.metrics.append(metrics);
+                written.map_err(|error| ObserverError(error.into()))?;
+                self.progress.evaluated(metrics);
+                self.last = Some(metrics.as_ref().clone());
+            }
+            Event::Saved => {}
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,70 @@
+//! The one place that writes to the terminal: data to stdout, all else to stderr.
+
+use std::fmt::Display;
+use std::io::{self, Write as _};
+
+/// How much is told on stderr.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Verbosity {
+    /// Progress and results.
+    Normal,
+    /// Errors alone.
+    Quiet,
+}
+
+/// Decides what reaches the terminal.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Printer {
+    verbosity: Verbosity,
+}
+
+impl Printer {
+    pub(crate) fn new(verbosity: Verbosity) -> Self {
+        Self { verbosity }
+    }
+
+    pub(crate) fn verbosity(self) -> Verbosity {
+        self.verbosity
+    }
+
+    /// Writes what was asked for; a reader that has gone away has read enough.
+    #[expect(clippy::unused_self, reason = "whoever prints goes through a printer")]
+    pub(crate) fn data(self, text: &str) -> Result<(), StdoutError> {
+        let mut stdout = io::stdout().lock();
+        let written = stdout
+            .write_all(text.as_bytes())
+            .and_then(|()| if text.ends_with('\n') { Ok(()) } else { stdout.write_all(b"\n") })
+            .and_then(|()| stdout.flush());
+        match written {
+            Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(StdoutError(error)),
+            _ => Ok(()),
+        }
+    }
+
+    /// Tells how things are going.
+    pub(crate) fn note(self, text: impl Display) {
+        match self.verbosity {
+            Verbosity::Normal => tell(text),
+            Verbosity::Quiet => {}
+        }
+    }
+
+    /// Tells what went wrong, and the way out.
+    #[expect(clippy::unused_self, reason = "whoever prints goes through a printer")]
+    pub(crate) fn error(self, error: &anyhow::Error, hint: Option<&str>) {
+        tell(format_args!("error: {error:#}"));
+        if let Some(hint) = hint {
+            tell(format_args!("\nhint: {hint}"));
+        }
+    }
+}
+
+/// Standard output does not take what is written to it.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot write to standard output")]
+pub(crate) struct StdoutError(#[source] pub(crate) io::Error);
+
+/// Nobody can be told that stderr is closed.
+fn tell(text: impl Display) {
+    let _ = writeln!(io::stderr().lock(), "{text}");
+}

@@ -1,0 +1,123 @@
+//! A run's folder: where it is, who may write in it, and what lies where.
+
+use crate::settings;
+use rher_core::checkpoint::{self, CheckpointError, POLICY_FILE};
+use rher_core::config::TrainConfig;
+use std::fs::{File, TryLockError};
+use std::io::{self, Write as _};
+use std::path::{Path, PathBuf};
+
+const CONFIG_FILE: &str = "config.toml";
+const METRICS_FILE: &str = "metrics.jsonl";
+const LOCK_FILE: &str = ".lock";
+
+/// The folder of a run, locked for as long as this value lives.
+///
+/// The lock is the operating system's, so it dies with the process.
+#[derive(Debug)]
+pub(crate) struct RunDir {
+    path: PathBuf,
+    _lock: File,
+}
+
+impl RunDir {
+    /// `runs/<task>-<method>-<preset>-<seed>`: runs that differ in nothing else share a name, and
+    /// the second one is refused rather than written over the first.
+    pub(crate) fn default_path(config: &TrainConfig) -> PathBuf {
+        let TrainConfig { task, relay, preset, seed, .. } = config;
+        let (method, preset) = (relay.method.name(), preset.name());
+        Path::new("runs").join(format!("{task}-{method}-{preset}-{seed}"))
+    }
+
+    /// Makes the folder of a new run.
+    pub(crate) fn create(path: &Path) -> Result<Self, RunDirError> {
+        std::fs::create_dir_all(path).map_err(unwritable(path))?;
+        let folder = Self::lock(path)?;
+        // Someone may have deleted the checkpoint and kept the policy.
+        if holds_checkpoint(path) || path.join(POLICY_FILE).exists() {
+            return Err(RunDirError::Exists { path: path.to_owned() });
+        }
+        Ok(folder)
+    }
+
+    /// Opens the folder of a run that was made before.
+    pub(crate) fn open(path: &Path) -> Result<Self, RunDirError> {
+        if holds_checkpoint(path) {
+            Self::lock(path)
+        } else {
+            Err(RunDirError::NoRun { path: path.to_owned() })
+        }
+    }
+
+    fn lock(path: &Path) -> Result<Self, RunDirError> {
+        let lock_path = path.join(LOCK_FILE);
+        let lock = File::create(&lock_path).map_err(unwritable(&lock_path))?;
+        match lock.try_lock() {
+            Ok(()) => Ok(Self { path: path.to_owned(), _lock: lock }),
+            Err(TryLockError::WouldBlock) => Err(RunDirError::InUse { path: path.to_owned() }),
+            Err(TryLockError::Error(error)) => Err(unwritable(&lock_path)(error).into()),
+        }
+    }
+
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// One line for each evaluation.
+    pub(crate) fn metrics(&self) -> PathBuf {
+        self.path.join(METRICS_FILE)
+    }
+
+    /// The policy alone.
+    pub(crate) fn policy(&self) -> PathBuf {
+        self.path.join(POLICY_FILE)
+    }
+
+    /// Writes the settings; the file is complete or not there.
+    pub(crate) fn write_config(&self, config: &TrainConfig) -> anyhow::Result<()> {
+        let path = self.path.join(CONFIG_FILE);
+        let new = path.with_extension("toml.new");
+        let text = settings::to_toml(config)?;
+        File::create(&new)
+            .and_then(|mut file| file.write_all(text.as_bytes()).and_then(|()| file.sync_all()))
+            .and_then(|()| std::fs::rename(&new, &path))
+            .map_err(|source| WriteError { path, source })?;
+        Ok(())
+    }
+}
+
+/// The settings that were kept with a run, if they can be read.
+pub(crate) fn read_config(folder: &Path) -> Option<TrainConfig> {
+    toml::from_str(&std::fs::read_to_string(folder.join(CONFIG_FILE)).ok()?).ok()
+}
+
+/// The first checkpoint is written before the first step, so without one nothing was done.
+fn holds_checkpoint(path: &Path) -> bool {
+    !matches!(checkpoint::read_config(path), Err(CheckpointError::Missing { .. }))
+}
+
+/// A run folder cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum RunDirError {
+    #[error("`{}` is in use by another process", path.display())]
+    InUse { path: PathBuf },
+    #[error("`{}` already holds a run", path.display())]
+    Exists { path: PathBuf },
+    #[error("`{}` holds no run", path.display())]
+    NoRun { path: PathBuf },
+    #[error(transparent)]
+    Write(#[from] WriteError),
+}
+
+/// A file or folder cannot be written.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot write `{}`", path.display())]
+pub(crate) struct WriteError {
+    pub(crate) path: PathBuf,
+    pub(crate) source: io::Error,
+}
+
+fn unwritable(path: &Path) -> impl FnOnce(io::Error) -> WriteError {
+    let path = path.to_owned();
+    move |source| WriteError { path, source }
+}

@@ -1,0 +1,484 @@
+//! What the program says, and the status it ends with.
+
+use crate::support::{Rher, TINY};
+use insta::assert_snapshot;
+use serde_json::Value;
+use std::fs::File;
+use std::process::Stdio;
+
+fn json(text: &str) -> Value {
+    serde_json::from_str(text).unwrap()
+}
+
+fn keys(object: &Value) -> Vec<&str> {
+    object.as_object().unwrap().keys().map(String::as_str).collect()
+}
+
+#[test]
+fn help_names_the_verbs_and_every_exit_status() {
+    assert_snapshot!(Rher::new().ok("--help"), @"
+    Relay Hindsight Experience Replay: robots that learn to push, pick and stack from sparse rewards
+
+    Usage: rher <COMMAND>
+
+    Commands:
+      tasks   List the tasks: objects, sub-tasks, widths, episode length, tolerances
+      train   Train a policy, from the beginning or on from a checkpoint
+      eval    Measure how often a policy succeeds, with a 95 % confidence interval
+      config  Print every setting of a run as TOML, for `rher train --config`
+      bench   Measure the speed of this machine
+      help    Print this message or the help of the given subcommand(s)
+
+    Options:
+      -h, --help
+              Print help (see a summary with '-h')
+
+      -V, --version
+              Print version
+
+    Start with `rher train push`.
+
+    Exit status:
+        0  everything went well
+        1  something else went wrong
+        2  the command line is wrong: unknown task or option, bad value
+        3  a config file is unreadable or has a wrong setting
+        4  a config file has another version
+        5  the run folder is in use, already holds a run, or holds none
+        6  a file or folder cannot be written
+        7  the disk is full
+        8  a checkpoint or policy file is damaged
+        9  the environment failed
+       10  NaN or infinity in an environment or in a loss
+      130  interrupted by Ctrl-C; the run is saved
+    ");
+}
+
+#[test]
+fn training_help_teaches() {
+    assert_snapshot!(Rher::new().ok("train -h"), @"
+    Train a policy, from the beginning or on from a checkpoint
+
+    Usage: rher train [OPTIONS] [TASK]
+
+    Arguments:
+      [TASK]  What to learn; `rher tasks` says more [possible values: reach, push, pick]
+
+    Options:
+      -h, --help     Print help (see more with '--help')
+      -V, --version  Print version
+
+    Settings, each winning over those before it:
+          --preset <PRESET>  Settings to start from; `fast` also takes the recipe of the task [default:
+                             fast] [possible values: fast, sample-efficient, paper]
+          --config <FILE>    TOML file with the settings that should differ; `rher config` prints all of
+                             them
+          --set <KEY=VALUE>  One setting, as in `--set agent.discount=0.98`; may be repeated
+          --method <METHOD>  What is trained [default: rher] [possible values: rher, her]
+          --seed <N>         Seed of every random draw
+          --env-steps <N>    End after this many environment steps; evaluations do not count
+          --until <RATE>     End at the second evaluation running with at least this success rate; 0
+                             never does
+          --envs <N>         Step this many environments side by side between updates: part of the
+                             experiment
+          --workers <N>      Threads that do the work; never part of the result [default: one for each
+                             core]
+          --out <DIR>        Run folder to make [default: runs/<TASK>-<METHOD>-<PRESET>-<SEED>]
+          --resume <DIR>     Go on with the run in this folder, as if it had never stopped
+      -q, --quiet            Tell errors only
+    ");
+}
+
+#[test]
+fn tasks_are_listed_for_people_and_for_programs() {
+    let rher = Rher::new();
+    let tasks = json(&rher.ok("tasks --json"));
+    let push = &tasks[1];
+    assert_snapshot!(serde_json::to_string(push).unwrap(), @r#"{"action":4,"encoded_goal":6,"episode_steps":50,"goal":3,"name":"push","objects":1,"observation":25,"subtasks":2,"tolerance":[0.05,0.05]}"#);
+    let listing = rher.ok("tasks");
+    for task in tasks.as_array().unwrap() {
+        assert!(listing.contains(task["name"].as_str().unwrap()), "{listing}");
+    }
+}
+
+#[test]
+fn every_configuration_goes_round() {
+    let rher = Rher::new();
+    for task in ["reach", "push", "pick"] {
+        for preset in ["fast", "sample-efficient", "paper"] {
+            let printed = rher.ok(&format!("config {task} --preset {preset}"));
+            rher.write("run.toml", &printed);
+            assert_eq!(rher.ok(&format!("config {task} --config run.toml")), printed);
+        }
+    }
+}
+
+#[test]
+fn floats_are_printed_as_they_are_written() {
+    let printed = Rher::new().ok("config push --until 0.9");
+    assert!(
+        printed.contains("\nuntil = 0.9\n") && printed.contains("\nguide = 0.4\n"),
+        "{printed}"
+    );
+}
+
+#[test]
+fn later_settings_win() {
+    let rher = Rher::new();
+    rher.write("run.toml", "seed = 2\nenv_steps = 200\n[agent]\ndiscount = 0.9\nhidden = [8]\n");
+    let printed = rher.ok(
+        "config push --config run.toml --set agent.hidden=[4,4] --set env_steps=300 --env-steps 400 \
+         --method her",
+    );
+    let config: Vec<&str> = printed.lines().collect();
+    for line in
+        ["seed = 2", "env_steps = 400", "discount = 0.9", "hidden = [4, 4]", "method = \"her\""]
+    {
+        assert!(config.contains(&line), "{line} is missing in\n{printed}");
+    }
+}
+
+#[test]
+fn a_file_can_name_its_preset() {
+    let rher = Rher::new();
+    rher.write("run.toml", "preset = \"paper\"\n");
+    assert_eq!(rher.ok("config push --config run.toml"), rher.ok("config push --preset paper"));
+}
+
+#[test]
+fn unknown_tasks_are_refused_with_the_nearest() {
+    let rher = Rher::new();
+    assert_snapshot!(rher.run("train psuh"), @"
+    exit 2
+    error: invalid value 'psuh' for '[TASK]'
+      [possible values: reach, push, pick]
+
+      tip: a similar value exists: 'push'
+
+    For more information, try '--help'.
+    ");
+    assert_snapshot!(rher.run("bench env --task psuh"), @"
+    exit 2
+    error: invalid value 'psuh' for '--task <TASK>'
+      [possible values: reach, push, pick]
+
+      tip: a similar value exists: 'push'
+
+    For more information, try '--help'.
+    ");
+}
+
+#[test]
+fn wrong_settings_in_a_file_are_shown_with_their_place() {
+    let rher = Rher::new();
+    let config = |text: &str| {
+        rher.write("run.toml", text);
+        rher.run("train push --config run.toml").to_string()
+    };
+    assert_snapshot!(config("seed = 1\n\n[agent]\n  hiden = [8]\n"), @"
+    exit 3
+    error: run.toml:4:3: there is no setting `agent.hiden`
+
+    hint: did you mean `agent.hidden`? `rher config <TASK>` prints every setting with its value
+    ");
+    assert_snapshot!(config("[relay]\nmethd = \"her\"\n"), @"
+    exit 3
+    error: run.toml:2:1: there is no setting `relay.methd`
+
+    hint: did you mean `relay.method`? `rher config <TASK>` prints every setting with its value
+    ");
+    assert_snapshot!(config("colour = \"red\"\n"), @"
+    exit 3
+    error: run.toml:1:1: there is no setting `colour`
+
+    hint: `rher config <TASK>` prints every setting with its value
+    ");
+    assert_snapshot!(config("[agent]\ndiscount = \"high\"\n"), @r#"
+    exit 3
+    error: run.toml:2:1: `agent.discount`: invalid type: string "high", expected f32
+
+    hint: `rher config <TASK>` prints every setting with its value
+    "#);
+    assert_snapshot!(config("[agent]\nhidden = [8, -8]\n"), @"
+    exit 3
+    error: run.toml:2:1: `agent.hidden`: invalid value: integer `-8`, expected usize
+
+    hint: `rher config <TASK>` prints every setting with its value
+    ");
+    assert_snapshot!(config("[relay]\ngoal_frame = \"relatve\"\n"), @"
+    exit 3
+    error: run.toml:2:1: `relay.goal_frame`: unknown variant `relatve`, expected `absolute` or `relative`
+
+    hint: `rher config <TASK>` prints every setting with its value
+    ");
+    assert_snapshot!(config("[agent]\n# Too far.\ndiscount = 1.5\n"), @"
+    exit 3
+    error: run.toml:3:1: `agent.discount` is 1.5, expected at least 0 and below 1: `agent.discount` is 1.5, expected at least 0 and below 1
+
+    hint: `rher config <TASK>` prints every setting with its value
+    ");
+    assert_snapshot!(config("until = nan\n"), @"
+    exit 3
+    error: run.toml:1:1: `until` is NaN, expected 0 to 1: `until` is NaN, expected 0 to 1
+
+    hint: `rher config <TASK>` prints every setting with its value
+    ");
+    assert_snapshot!(config("agent = 3\n"), @"
+    exit 3
+    error: run.toml:1:1: there is no setting `agent`
+
+    hint: did you mean `agent.init`? `rher config <TASK>` prints every setting with its value
+    ");
+    assert_snapshot!(config("[agnt]\n"), @"");
+    assert_snapshot!(config("seed = \n"), @"
+    exit 3
+    error: run.toml:1:8: string values must be quoted, expected literal string
+
+    hint: `rher config <TASK>` prints a file to start from
+    ");
+    assert_snapshot!(config("version = 7\nwhatever = 1\n"), @"
+    exit 4
+    error: run.toml:1:1: the file has version 7, this program reads version 1
+
+    hint: make a new file with `rher config <TASK>`, and carry your changes over
+    ");
+    assert_snapshot!(config("task = \"reach\"\n"), @"
+    exit 3
+    error: run.toml:1:1: the file is for task `reach`, not `push`
+
+    hint: `rher train reach`, or delete that line
+    ");
+    assert_snapshot!(config("preset = \"slow\"\n"), @"
+    exit 3
+    error: run.toml:1:1: `preset`: unknown variant `slow`, expected one of `fast`, `sample-efficient`, `paper`
+
+    hint: `rher config <TASK>` prints every setting with its value
+    ");
+    rher.write("run.toml", "preset = \"paper\"\n");
+    assert_snapshot!(rher.run("train push --preset fast --config run.toml"), @"
+    exit 3
+    error: run.toml:1:1: the file starts from another preset than --preset
+
+    hint: leave --preset out, or delete that line
+    ");
+    assert_snapshot!(rher.run("train push --config missing.toml"), @"
+    exit 3
+    error: cannot read config file `missing.toml`: No such file or directory (os error 2)
+
+    hint: `rher config <TASK> > run.toml` makes one
+    ");
+    assert!(!rher.path("runs").exists(), "nothing was started");
+}
+
+#[test]
+fn wrong_settings_on_the_command_line_are_refused() {
+    let rher = Rher::new();
+    assert_snapshot!(rher.run("train push --set batch_sise=3"), @"
+    exit 2
+    error: --set: there is no setting `batch_sise`
+
+    hint: did you mean `replay.batch_size`? `rher config <TASK>` prints every setting with its value
+    ");
+    assert_snapshot!(rher.run("train push --set agent.hidden=wide"), @r#"
+    exit 2
+    error: --set: `agent.hidden`: invalid type: string "wide", expected a sequence
+
+    hint: `rher config <TASK>` prints every setting with its value
+    "#);
+    assert_snapshot!(rher.run("train push --set agent.critics=3"), @"
+    exit 2
+    error: --set: `agent.critics` is 3, expected 1 (DDPG) or 2 (TD3): `agent.critics` is 3, expected 1 (DDPG) or 2 (TD3)
+
+    hint: `rher config <TASK>` prints every setting with its value
+    ");
+    assert_snapshot!(rher.run("train push --set exploration.random=0.9"), @"
+    exit 2
+    error: `exploration.guide` is 0.4, expected at most 1 − `exploration.random`
+
+    hint: `rher config <TASK>` prints every setting with its value
+    ");
+    assert_snapshot!(rher.run("train push --set preset=paper"), @"
+    exit 2
+    error: `preset` cannot be changed by --set
+
+    hint: use --preset
+    ");
+    assert_snapshot!(rher.run("train push --set agent.hidden"), @"
+    exit 2
+    error: invalid value 'agent.hidden' for '--set <KEY=VALUE>': expected KEY=VALUE, as in `--set agent.discount=0.98`
+
+    For more information, try '--help'.
+    ");
+    assert_snapshot!(rher.run("train push --set agent.hidden=[8"), @"
+    exit 2
+    error: invalid value 'agent.hidden=[8' for '--set <KEY=VALUE>': `[8` is not a TOML value: unclosed array, expected `]`
+
+    For more information, try '--help'.
+    ");
+    assert_snapshot!(rher.run("train push --until 1.5"), @"
+    exit 2
+    error: invalid value '1.5' for '--until <RATE>': expected a number from 0 to 1
+
+    For more information, try '--help'.
+    ");
+    assert_snapshot!(rher.run("train push --workers 0"), @"
+    exit 2
+    error: invalid value '0' for '--workers <N>': number would be zero for non-zero type
+
+    For more information, try '--help'.
+    ");
+    assert_snapshot!(rher.run("train push --preset quick"), @"
+    exit 2
+    error: invalid value 'quick' for '--preset <PRESET>'
+      [possible values: fast, sample-efficient, paper]
+
+    For more information, try '--help'.
+    ");
+    assert_snapshot!(rher.run("train"), @"
+    exit 2
+    error: the following required arguments were not provided:
+      <TASK>
+
+    Usage: rher train <TASK>
+
+    For more information, try '--help'.
+    ");
+}
+
+#[test]
+fn a_run_leaves_its_folder_behind() {
+    let rher = Rher::new();
+    let ran = rher.run(&format!("train reach --env-steps 500 {TINY}"));
+    assert_eq!((ran.status, ran.stdout.as_str()), (Some(0), ""), "{ran}");
+    assert!(ran.stderr.contains("all steps taken after 500 steps"), "{ran}");
+    assert!(ran.stderr.contains("runs/reach-rher-fast-1/policy.safetensors"), "{ran}");
+
+    let run = "runs/reach-rher-fast-1";
+    let mut files: Vec<String> = std::fs::read_dir(rher.path(run))
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .filter(|name| !name.starts_with('.'))
+        .collect();
+    files.sort();
+    assert_eq!(files, ["checkpoint", "config.toml", "metrics.jsonl", "policy.safetensors"]);
+    let config = std::fs::read_to_string(rher.path(run).join("config.toml")).unwrap();
+    assert_eq!(config, rher.ok(&format!("config reach --env-steps 500 {TINY}")));
+
+    let metrics = rher.metrics(run);
+    assert_eq!(metrics.len(), 2);
+    for key in ["env_steps", "episodes", "updates", "success", "success_final", "guide"] {
+        assert!(metrics[1].get(key).is_some(), "{key} is missing in {}", metrics[1]);
+    }
+    assert_snapshot!(rher.run(&format!("train reach {TINY}")), @"
+    exit 5
+    error: `runs/reach-rher-fast-1` already holds a run
+
+    hint: `rher train --resume runs/reach-rher-fast-1` goes on with it, `--out DIR` starts elsewhere
+    ");
+}
+
+#[test]
+fn a_policy_is_evaluated_from_its_folder_or_its_file() {
+    let rher = Rher::new();
+    rher.ok(&format!("train push --quiet --env-steps 250 {TINY} --out run"));
+    let report = rher.ok("eval run --episodes 10 --json");
+    assert_eq!(report, rher.ok("eval run/policy.safetensors --episodes 10 --seed 0 --json"));
+    let report = json(&report);
+    assert_eq!(
+        keys(&report),
+        ["ci95", "env_seed", "episodes", "final_distance", "success", "success_final", "task"]
+    );
+    assert_eq!((&report["episodes"], &report["env_seed"]), (&Value::from(10), &Value::from(0)));
+    assert_eq!(report["success"].as_array().unwrap().len(), 2);
+    let text = rher.ok("eval run --episodes 10");
+    assert!(text.contains("of 10 episodes (95 % interval"), "{text}");
+}
+
+#[test]
+fn what_is_no_policy_is_not_evaluated() {
+    let rher = Rher::new();
+    rher.write("noise.safetensors", [7; 100]);
+    assert_snapshot!(rher.run("eval noise.safetensors"), @"
+    exit 8
+    error: `noise.safetensors` is not a policy file of this program: header too large
+
+    hint: a policy file is the `policy.safetensors` of a run folder
+    ");
+    assert_snapshot!(rher.run("eval missing"), @"
+    exit 1
+    error: cannot read policy file `missing`: No such file or directory (os error 2)
+    ");
+}
+
+#[test]
+fn folders_that_cannot_be_written_are_told() {
+    let rher = Rher::new();
+    rher.write("file", "");
+    assert_snapshot!(rher.run("train push --out file/run"), @"
+    exit 6
+    error: cannot write `file/run`: Not a directory (os error 20)
+
+    hint: choose a folder that you may write in
+    ");
+    assert_snapshot!(rher.run("train push --out file"), @"
+    exit 6
+    error: cannot write `file`: File exists (os error 17)
+
+    hint: choose a folder that you may write in
+    ");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_is_told_and_the_checkpoint_kept() {
+    let rher = Rher::new();
+    std::fs::create_dir(rher.path("run")).unwrap();
+    std::os::unix::fs::symlink("/dev/full", rher.path("run/metrics.jsonl")).unwrap();
+    let ran = rher.run(&format!("train push --quiet --env-steps 500 {TINY} --out run"));
+    assert_snapshot!(ran, @"
+    exit 7
+    error: cannot write `run/metrics.jsonl`: No space left on device (os error 28)
+
+    hint: make room; `rher train --resume DIR` goes on from the last checkpoint
+    ");
+    assert!(rher.path("run/checkpoint/current.ckpt").exists());
+
+    let full = File::options().write(true).open("/dev/full").unwrap();
+    let ran = rher.command("tasks").stdout(full).output().unwrap();
+    assert_eq!(ran.status.code(), Some(7), "{}", String::from_utf8_lossy(&ran.stderr));
+}
+
+#[test]
+fn a_loss_that_is_no_number_ends_the_run() {
+    let rher = Rher::new();
+    let ran = rher.run(&format!(
+        "train push --quiet --env-steps 5000 {TINY} --set agent.critic_learning_rate=1e38 --out run"
+    ));
+    assert_eq!(ran.status, Some(10), "{ran}");
+    assert!(ran.stderr.contains("is not finite"), "{ran}");
+    rher.ok("eval run --episodes 2");
+}
+
+#[test]
+fn a_reader_that_has_gone_away_has_read_enough() {
+    let rher = Rher::new();
+    let mut child =
+        rher.command("tasks --json").stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    drop(child.stdout.take());
+    let ran = child.wait_with_output().unwrap();
+    assert_eq!((ran.status.code(), ran.stderr.as_slice()), (Some(0), b"".as_slice()));
+}
+
+#[test]
+fn speed_is_measured_for_programs_too() {
+    let rher = Rher::new();
+    let envs = json(&rher.ok("bench env --task reach --json"));
+    assert_eq!(keys(&envs[0]), ["reset_us", "steps_per_cpu_s", "task"]);
+    let updates =
+        json(&rher.ok("bench update --batch 8 --inputs 31 --threads 1 --engine burn --json"));
+    assert_eq!(updates.as_array().unwrap().len(), 1);
+    assert_eq!(
+        keys(&updates[0]),
+        ["batch", "engine", "gflops", "inputs", "ms_per_update", "threads"]
+    );
+}

@@ -1,0 +1,6 @@
+//! The `rher` program, tested from outside.
+
+mod cli;
+mod determinism;
+mod resume;
+mod support;

@@ -1,0 +1,202 @@
+//! A run that stops, however it stops, goes on as if it had not.
+
+use crate::support::{Rher, Running, TINY};
+use insta::assert_snapshot;
+use std::fs;
+use std::time::{Duration, SystemTime};
+
+/// Long enough for a kill to fall anywhere.
+fn run(out: &str) -> String {
+    format!("train push --quiet --env-steps 5000 {TINY} --out {out}")
+}
+
+/// A run of a second or more that was stopped after its first evaluation.
+fn interrupted(rher: &Rher, out: &str) {
+    let running = rher.spawn(&run(out));
+    rher.wait_for_metrics(out);
+    running.interrupt();
+    let ran = running.end();
+    assert_eq!(ran.status, Some(130), "{ran}");
+}
+
+#[test]
+fn killed_at_any_moment_a_run_ends_with_the_same_metrics() {
+    let rher = Rher::new();
+    rher.ok(&run("straight"));
+    let start = || -> Running {
+        // Before the first checkpoint there is nothing to resume, and nothing to lose.
+        let checkpoints = ["killed/checkpoint/current.ckpt", "killed/checkpoint/previous.ckpt"];
+        if checkpoints.iter().any(|file| rher.path(file).exists()) {
+            rher.spawn("train --quiet --resume killed")
+        } else {
+            rher.spawn(&run("killed"))
+        }
+    };
+    let clock = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap();
+    let mut random = clock.subsec_nanos();
+    for _ in 0..15 {
+        random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        let delay = Duration::from_micros(u64::from(random >> 16));
+        let running = start();
+        std::thread::sleep(delay);
+        running.kill();
+    }
+    let ran = start().end();
+    assert_eq!(ran.status, Some(0), "{ran}");
+    assert_eq!(rher.metrics("killed"), rher.metrics("straight"));
+}
+
+#[test]
+fn ctrl_c_saves_and_the_run_goes_on() {
+    let rher = Rher::new();
+    rher.ok(&run("straight"));
+    interrupted(&rher, "stopped");
+    assert!(rher.metrics("stopped").len() < rher.metrics("straight").len());
+    rher.ok("train --quiet --resume stopped");
+    assert_eq!(rher.metrics("stopped"), rher.metrics("straight"));
+}
+
+#[test]
+fn metrics_after_the_checkpoint_are_cut_off() {
+    let rher = Rher::new();
+    rher.ok(&run("straight"));
+    interrupted(&rher, "stopped");
+    let path = rher.path("stopped/metrics.jsonl");
+    let mut text = fs::read_to_string(&path).unwrap();
+    text.push_str("{\"env_steps\": 1}\n{\"half a li");
+    fs::write(&path, text).unwrap();
+    rher.ok("train --quiet --resume stopped");
+    assert_eq!(rher.metrics("stopped"), rher.metrics("straight"));
+}
+
+#[test]
+fn lost_metrics_are_told() {
+    let rher = Rher::new();
+    rher.ok(&format!("train push --quiet --env-steps 500 {TINY} --out run"));
+    rher.write("run/metrics.jsonl", "");
+    assert_snapshot!(rher.run("train --resume run --env-steps 1000"), @"
+    exit 8
+    error: `run/metrics.jsonl` has 0 complete lines, but the checkpoint was made after 2 evaluations
+
+    hint: bring the file back, or start a new run with --out
+    ");
+}
+
+#[test]
+fn a_finished_run_says_so_and_can_be_taken_further() {
+    let rher = Rher::new();
+    rher.ok(&format!("train push --quiet --env-steps 500 {TINY} --out run"));
+    assert_snapshot!(rher.run("train --resume run"), @"
+    exit 0
+    `run` is finished: it took all of its steps, after 500 steps
+
+    hint: `--env-steps N` or `--until RATE` take it further
+    ");
+    assert_eq!(rher.ok("train --quiet --resume run --env-steps 1000"), "");
+    let steps: Vec<_> = rher.metrics("run").iter().map(|line| line["env_steps"].clone()).collect();
+    assert_eq!(steps, [250, 500, 750, 1000]);
+    let config = fs::read_to_string(rher.path("run/config.toml")).unwrap();
+    assert!(config.contains("env_steps = 1000\n"), "{config}");
+}
+
+#[test]
+fn a_folder_belongs_to_one_process_and_its_lock_dies_with_it() {
+    let rher = Rher::new();
+    let running = rher.spawn(&format!("train push --quiet --env-steps 100000000 {TINY} --out run"));
+    rher.wait_for_metrics("run");
+    assert_snapshot!(rher.run("train push --out run"), @"
+    exit 5
+    error: `run` is in use by another process
+
+    hint: wait until it is done, or choose another folder with --out
+    ");
+    assert_snapshot!(rher.run("train --resume run"), @"
+    exit 5
+    error: `run` is in use by another process
+
+    hint: wait until it is done, or choose another folder with --out
+    ");
+    running.kill();
+    assert_snapshot!(rher.run("train push --out run"), @"
+    exit 5
+    error: `run` already holds a run
+
+    hint: `rher train --resume run` goes on with it, `--out DIR` starts elsewhere
+    ");
+    rher.ok("train --quiet --resume run --env-steps 500");
+}
+
+#[test]
+fn a_truncated_checkpoint_is_named_with_the_last_good_one() {
+    let rher = Rher::new();
+    rher.ok(&format!("train push --quiet --env-steps 500 {TINY} --out run"));
+    let path = rher.path("run/checkpoint/current.ckpt");
+    let good = fs::read(&path).unwrap();
+    fs::write(&path, &good[..100]).unwrap();
+    assert_snapshot!(rher.run("train --resume run"), @"
+    exit 8
+    error: `run/checkpoint/current.ckpt` is damaged: 76 bytes of state, expected 29577; the last good one is `run/checkpoint/previous.ckpt`, at environment step 250
+
+    hint: nothing was changed; the policy file still works
+    ");
+    fs::write(&path, b"").unwrap();
+    assert_snapshot!(rher.run("train --resume run"), @"
+    exit 8
+    error: `run/checkpoint/current.ckpt` is damaged: 0 bytes, shorter than its header; the last good one is `run/checkpoint/previous.ckpt`, at environment step 250
+
+    hint: nothing was changed; the policy file still works
+    ");
+    let straight = rher.metrics("run");
+    fs::rename(rher.path("run/checkpoint/previous.ckpt"), &path).unwrap();
+    rher.ok("train --quiet --resume run");
+    assert_eq!(rher.metrics("run"), straight);
+}
+
+#[test]
+fn a_damaged_checkpoint_is_named() {
+    let rher = Rher::new();
+    rher.ok(&format!("train push --quiet --env-steps 500 {TINY} --out run"));
+    let flip = |name: &str| {
+        let path = rher.path(name);
+        let mut bytes = fs::read(&path).unwrap();
+        let middle = bytes.len() / 2;
+        bytes[middle] ^= 1;
+        fs::write(&path, bytes).unwrap();
+    };
+    flip("run/checkpoint/replay-000000.episodes");
+    let ran = rher.run("train --resume run --env-steps 1000");
+    assert_eq!(ran.status, Some(8), "{ran}");
+    assert!(ran.stderr.contains("`run/checkpoint/replay-000000.episodes` is damaged"), "{ran}");
+    flip("run/checkpoint/current.ckpt");
+    let ran = rher.run("train --resume run --env-steps 1000");
+    assert_eq!(ran.status, Some(8), "{ran}");
+    assert!(ran.stderr.contains("`run/checkpoint/current.ckpt` is damaged"), "{ran}");
+    assert!(ran.stderr.contains("the last good one is `run/checkpoint/previous.ckpt`"), "{ran}");
+}
+
+#[test]
+fn only_what_is_no_part_of_the_experiment_may_change() {
+    let rher = Rher::new();
+    assert_snapshot!(rher.run("train --resume run --seed 2"), @"
+    exit 2
+    error: the argument '--resume <DIR>' cannot be used with '--seed <N>'
+
+    Usage: rher train --resume <DIR> [TASK]
+
+    For more information, try '--help'.
+    ");
+    assert_snapshot!(rher.run("train push --resume run"), @"
+    exit 2
+    error: the argument '[TASK]' cannot be used with '--resume <DIR>'
+
+    Usage: rher train <TASK>
+
+    For more information, try '--help'.
+    ");
+    assert_snapshot!(rher.run("train --resume run"), @"
+    exit 5
+    error: `run` holds no run
+
+    hint: `rher train <TASK> --out DIR` starts one
+    ");
+}
