@@ -59,8 +59,8 @@ fn read(csv: &str) -> Result<BTreeMap<String, Vec<Recording>>, Box<dyn Error>> {
     };
     let (kind, step, action) = (column("kind")?, column("step")?, column("action_0")?);
     let (gripper, target) = (column("obs_0")?, column("desired_x")?);
-    // FetchReach has no object: the target stands in for it.
-    let object = column("obs_4").map_or(target, |y| y - 1);
+    // FetchReach has 10 numbers and no object: the target stands in for it.
+    let object = if column("obs_20").is_ok() { column("obs_3")? } else { target };
 
     let mut kinds: BTreeMap<String, Vec<Recording>> = BTreeMap::new();
     for line in lines {

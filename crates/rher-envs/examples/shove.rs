@@ -19,15 +19,15 @@ fn main() -> Result<(), EnvError> {
     println!("off centre (mm)  shoved by (mm)  coasts (mm)  turns (degrees)");
     for aside in [-0.03, -0.02, -0.01, 0.0, 0.01, 0.02, 0.03] {
         let home = env.reset(0, &mut observation)?.achieved.0.gripper;
-        let block = Position::new(home.x + 0.11, home.y + aside, 0.42489);
+        let block = Position::new(home.x - 0.11, home.y + aside, 0.42489);
         env.arrange(Layout { objects: [block], targets: [block] }, &mut observation)?;
         let mut released = block;
         for _ in 0..5 {
-            released = env.step(&[1.0, 0.0, 0.05, 0.0], &mut observation)?.0.objects[0];
+            released = env.step(&[-1.0, 0.0, 0.05, 0.0], &mut observation)?.0.objects[0];
         }
         let mut at_rest = released;
         for _ in 0..20 {
-            at_rest = env.step(&[-1.0, 0.0, 0.5, 0.0], &mut observation)?.0.objects[0];
+            at_rest = env.step(&[1.0, 0.0, 0.5, 0.0], &mut observation)?.0.objects[0];
         }
         println!(
             "{:>15.0} {:>15.0} {:>12.0} {:>16.0}",

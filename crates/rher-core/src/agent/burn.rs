@@ -18,8 +18,8 @@ pub type BurnEngine = AutodiffEngine<Autodiff<NdArray<f32>>>;
 
 /// The engine on any of Burn's backends with autodiff.
 ///
-/// Between updates everything is plain numbers; an update makes modules of them, and copying them
-/// costs a hundredth of what it takes.
+/// Between updates everything is plain numbers; an update makes modules of them, which is cheap
+/// beside what it does with them.
 #[derive(Debug)]
 pub struct AutodiffEngine<B: AutodiffBackend> {
     config: AgentConfig,
@@ -33,7 +33,7 @@ impl<B: AutodiffBackend> AutodiffEngine<B> {
         Self { config: config.clone(), state, device: B::Device::default() }
     }
 
-    /// The return that the critics are to predict, [rows, 1].
+    /// The return that the critics are to predict, `[rows, 1]`.
     fn bellman(&self, batch: &Batch, noise: &[f32]) -> Tensor<B::InnerBackend, 2> {
         let rows = batch.rows();
         let (spread, clip) = (self.config.target_noise, self.config.target_noise_clip);
@@ -150,7 +150,7 @@ impl<B: Backend> Network<B> {
         }
     }
 
-    /// Outputs, [rows, outputs], of inputs, [rows, inputs].
+    /// Outputs, `[rows, outputs]`, of inputs, `[rows, inputs]`.
     fn forward(&self, inputs: Tensor<B, 2>) -> Tensor<B, 2> {
         let features = self.hidden.iter().fold(inputs, |inputs, layer| layer.forward(inputs));
         self.output.forward(features)

@@ -38,7 +38,7 @@ impl Inference {
         }
     }
 
-    /// Writes the actor's actions, [rows, outputs], for inputs, [rows, inputs].
+    /// Writes the actor's actions, `[rows, outputs]`, for inputs, `[rows, inputs]`.
     pub fn act(&mut self, parameters: &[f32], inputs: &[f32], actions: &mut [f32]) {
         self.forward(parameters, inputs, actions);
         for action in actions {
@@ -46,7 +46,7 @@ impl Inference {
         }
     }
 
-    /// Writes the network's outputs, [rows, outputs], for inputs, [rows, inputs].
+    /// Writes the network's outputs, `[rows, outputs]`, for inputs, `[rows, inputs]`.
     pub fn forward(&mut self, parameters: &[f32], inputs: &[f32], outputs: &mut [f32]) {
         Arch::new().dispatch(Forward { inference: self, parameters, inputs, outputs });
     }

@@ -44,7 +44,7 @@ const HAND_DAMPING: f32 = 220.0;
 const HAND_FORCE: f32 = 150.0;
 
 /// The most that the arm presses each finger down, in newtons.
-const HAND_PRESS: f32 = 45.0;
+const HAND_PRESS: f32 = 75.0;
 
 /// What a stretched arm takes back of where the hand should go.
 const STRETCHED: Recoil = Recoil {

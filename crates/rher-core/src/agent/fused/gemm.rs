@@ -7,15 +7,25 @@
     reason = "the micro-kernels take pointers; `multiply` checks what they reach"
 )]
 
+use super::portable;
 use super::simd::Simd;
 use gemm_f32::microkernel;
 use pulp::Arch;
 
+/// How products are computed on this machine.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Gemm {
+    /// By the crate's micro-kernels.
+    Vectors(Kernels),
+    /// By plain loops.
+    Portable,
+}
+
 /// The micro-kernels for one set of vector instructions.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Gemm {
+pub(super) struct Kernels {
     /// By vectors in a tile's row, then by rows in a tile.
-    kernels: &'static [Kernel],
+    table: &'static [Kernel],
     /// Rows in a full tile.
     tile_rows: usize,
     /// Numbers in a vector.
@@ -54,6 +64,10 @@ impl<'a> Left<'a> {
         Self { data, row_stride: stride, depth_stride: 1 }
     }
 
+    pub(super) fn at(self, row: usize, k: usize) -> f32 {
+        self.data[row * self.row_stride + k * self.depth_stride]
+    }
+
     /// The transpose of a matrix that is stored by rows.
     pub(super) fn transposed(data: &'a [f32], stride: usize) -> Self {
         Self { data, row_stride: 1, depth_stride: stride }
@@ -89,30 +103,35 @@ impl Gemm {
             Arch::V4(_) => {
                 use microkernel::avx512f::f32::{MR_DIV_N, NR, UKR};
                 static KERNELS: [[Kernel; NR]; MR_DIV_N] = UKR;
-                Self { kernels: KERNELS.as_flattened(), tile_rows: NR, lanes: 16 }
+                Self::Vectors(Kernels { table: KERNELS.as_flattened(), tile_rows: NR, lanes: 16 })
             }
             #[cfg(target_arch = "x86_64")]
             Arch::V3(_) => {
                 use microkernel::fma::f32::{MR_DIV_N, NR, UKR};
                 static KERNELS: [[Kernel; NR]; MR_DIV_N] = UKR;
-                Self { kernels: KERNELS.as_flattened(), tile_rows: NR, lanes: 8 }
+                Self::Vectors(Kernels { table: KERNELS.as_flattened(), tile_rows: NR, lanes: 8 })
             }
             #[cfg(target_arch = "aarch64")]
             Arch::Neon(_) => {
                 use microkernel::neon::f32::{MR_DIV_N, NR, UKR};
                 static KERNELS: [[Kernel; NR]; MR_DIV_N] = UKR;
-                Self { kernels: KERNELS.as_flattened(), tile_rows: NR, lanes: 4 }
+                Self::Vectors(Kernels { table: KERNELS.as_flattened(), tile_rows: NR, lanes: 4 })
             }
-            _ => {
-                use microkernel::scalar::f32::{MR_DIV_N, NR, UKR};
-                static KERNELS: [[Kernel; NR]; MR_DIV_N] = UKR;
-                Self { kernels: KERNELS.as_flattened(), tile_rows: NR, lanes: 1 }
-            }
+            _ => Self::Portable,
         }
     }
 
-    /// Writes the product over `out`.
-    pub(super) fn multiply(&self, product: Product<'_>) {
+    /// Writes the product over its `out`.
+    pub(super) fn multiply(self, mut product: Product<'_>) {
+        match self {
+            Self::Vectors(kernels) => kernels.multiply(product),
+            Self::Portable => portable::multiply(&mut product),
+        }
+    }
+}
+
+impl Kernels {
+    fn multiply(self, product: Product<'_>) {
         let Product { left, right, right_stride, out, out_stride, rows, depth, columns } = product;
         if rows == 0 || depth == 0 || columns == 0 {
             return;
@@ -121,10 +140,10 @@ impl Gemm {
         assert!((depth - 1) * right_stride + columns.next_multiple_of(self.lanes) <= right.len());
         assert!((rows - 1) * out_stride + columns <= out.len());
 
-        let tile_columns = self.kernels.len() / self.tile_rows * self.lanes;
+        let tile_columns = self.table.len() / self.tile_rows * self.lanes;
         for column in (0..columns).step_by(tile_columns) {
             let width = tile_columns.min(columns - column);
-            let kernels = &self.kernels[(width.div_ceil(self.lanes) - 1) * self.tile_rows..];
+            let kernels = &self.table[(width.div_ceil(self.lanes) - 1) * self.tile_rows..];
             for row in (0..rows).step_by(self.tile_rows) {
                 let height = self.tile_rows.min(rows - row);
                 // SAFETY: the table was chosen by a token that proves the instructions. The kernel

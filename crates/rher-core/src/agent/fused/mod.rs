@@ -6,11 +6,13 @@ mod kernels;
 mod network;
 mod optimizer;
 mod pass;
+mod portable;
 mod simd;
 mod slice;
 #[cfg(test)]
 mod tests;
 mod threads;
+mod work;
 
 use super::config::{AgentConfig, TargetEvery};
 use super::learner::{Engine, LearnerState, Losses};
@@ -23,6 +25,8 @@ use rayon::ThreadPool;
 use simd::Simd;
 use slice::{Job, Slice, Sums};
 use threads::for_each;
+
+pub use work::{flops, gemm_peak};
 
 /// Rows of a slice whose activations stay in a core's own cache.
 const SLICE_ROWS: usize = 256;

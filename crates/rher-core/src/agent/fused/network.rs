@@ -127,7 +127,10 @@ impl Network {
             let from = &online.flat[layer.weight.clone()]
                 [rows.start * layer.outputs..rows.end * layer.outputs];
             let to = &mut transposed[range.clone()];
-            simd.run(|| kernels::transpose(from, layer.outputs, to, padded(rows.len())));
+            simd.run(
+                #[inline(always)]
+                || kernels::transpose(from, layer.outputs, to, padded(rows.len())),
+            );
         }
     }
 

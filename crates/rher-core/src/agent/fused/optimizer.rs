@@ -56,7 +56,10 @@ impl Network {
     /// Moves the target alone.
     pub(super) fn move_target(&mut self, machine: Machine, rate: f32) {
         let (target, online) = (&mut self.target.flat, &self.online.flat);
-        machine.simd.run(|| kernels::follow(target, online, rate));
+        machine.simd.run(
+            #[inline(always)]
+            || kernels::follow(target, online, rate),
+        );
         self.target.copy_narrow(&self.layers);
     }
 }
@@ -77,7 +80,7 @@ struct Span<'a> {
     second_moment: &'a mut [f32],
 }
 
-impl<'a> Span<'a> {
+impl Span<'_> {
     fn split_at(self, middle: usize) -> (Self, Self) {
         let (online, online_rest) = self.online.split_at_mut(middle);
         let (target, target_rest) = self.target.split_at_mut(middle);
@@ -121,15 +124,18 @@ where
         let Span { start, online, target, first_moment, second_moment } = block;
         let mut sum = [0.0; BLOCK];
         let sum = &mut sum[..online.len()];
-        self.machine.simd.run(|| {
-            for gradient in self.gradients.clone() {
-                kernels::add(sum, &gradient[start..]);
-            }
-            kernels::adam(self.step, sum, online, first_moment, second_moment);
-            if let Some(rate) = self.how.target_rate {
-                kernels::follow(target, online, rate);
-            }
-            f64::from(kernels::sum(sum, |g| g * g))
-        })
+        self.machine.simd.run(
+            #[inline(always)]
+            || {
+                for gradient in self.gradients.clone() {
+                    kernels::add(sum, &gradient[start..]);
+                }
+                kernels::adam(self.step, sum, online, first_moment, second_moment);
+                if let Some(rate) = self.how.target_rate {
+                    kernels::follow(target, online, rate);
+                }
+                f64::from(kernels::sum(sum, |g| g * g))
+            },
+        )
     }
 }

@@ -119,20 +119,29 @@ impl Network {
                     scale: &parameters.flat[scale.clone()],
                     shift: &parameters.flat[shift.clone()],
                 };
-                machine.simd.run(|| {
-                    kernels::normalise_and_rectify(
-                        normal,
-                        output,
-                        stride,
-                        inverse_deviation,
-                        bias,
-                        &norm,
-                    );
-                });
+                machine.simd.run(
+                    #[inline(always)]
+                    || {
+                        kernels::normalise_and_rectify(
+                            normal,
+                            output,
+                            stride,
+                            inverse_deviation,
+                            bias,
+                            &norm,
+                        );
+                    },
+                );
             } else if index < last {
-                machine.simd.run(|| kernels::add_bias_and_rectify(output, stride, bias));
+                machine.simd.run(
+                    #[inline(always)]
+                    || kernels::add_bias_and_rectify(output, stride, bias),
+                );
             } else {
-                machine.simd.run(|| kernels::add_bias(output, stride, bias));
+                machine.simd.run(
+                    #[inline(always)]
+                    || kernels::add_bias(output, stride, bias),
+                );
             }
         }
     }
@@ -158,17 +167,32 @@ impl Network {
                 let shift_gradient = &mut vectors[..layer.outputs];
                 let LayerTrace { output, normal, inverse_deviation } = &trace.layers[index];
                 let scale = &self.online.flat[scale.clone()];
-                machine.simd.run(|| {
-                    kernels::mask_and_sum(delta, output, stride, shift_gradient);
-                    kernels::sum_products(delta, normal, stride, scale_gradient);
-                    kernels::normalise_backward(delta, normal, stride, inverse_deviation, scale);
-                    kernels::sum_rows(delta, stride, bias);
-                });
+                machine.simd.run(
+                    #[inline(always)]
+                    || {
+                        kernels::mask_and_sum(delta, output, stride, shift_gradient);
+                        kernels::sum_products(delta, normal, stride, scale_gradient);
+                        kernels::normalise_backward(
+                            delta,
+                            normal,
+                            stride,
+                            inverse_deviation,
+                            scale,
+                        );
+                        kernels::sum_rows(delta, stride, bias);
+                    },
+                );
             } else if index < last {
                 let output = &trace.layers[index].output;
-                machine.simd.run(|| kernels::mask_and_sum(delta, output, stride, bias));
+                machine.simd.run(
+                    #[inline(always)]
+                    || kernels::mask_and_sum(delta, output, stride, bias),
+                );
             } else {
-                machine.simd.run(|| kernels::sum_rows(delta, stride, bias));
+                machine.simd.run(
+                    #[inline(always)]
+                    || kernels::sum_rows(delta, stride, bias),
+                );
             }
             let input = match index.checked_sub(1) {
                 Some(before) => Rows {
@@ -208,18 +232,24 @@ impl Network {
             let delta = &mut deltas.current[..rows * stride];
             if index < last {
                 let LayerTrace { output, normal, inverse_deviation } = &trace.layers[index];
-                machine.simd.run(|| kernels::mask(delta, output));
+                machine.simd.run(
+                    #[inline(always)]
+                    || kernels::mask(delta, output),
+                );
                 if let Some((scale, _)) = &layer.norm {
                     let scale = &self.online.flat[scale.clone()];
-                    machine.simd.run(|| {
-                        kernels::normalise_backward(
-                            delta,
-                            normal,
-                            stride,
-                            inverse_deviation,
-                            scale,
-                        );
-                    });
+                    machine.simd.run(
+                        #[inline(always)]
+                        || {
+                            kernels::normalise_backward(
+                                delta,
+                                normal,
+                                stride,
+                                inverse_deviation,
+                                scale,
+                            );
+                        },
+                    );
                 }
             }
             self.step_back(machine, dense, rows, deltas);

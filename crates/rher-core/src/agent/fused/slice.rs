@@ -163,7 +163,7 @@ impl Slice {
         }
     }
 
-    /// The gradient of −mean Q₁(s, π(s)) + action_l2 · mean π(s)² with respect to the actor.
+    /// The gradient of −mean Q₁(s, π(s)) + `action_l2` · mean π(s)² with respect to the actor.
     pub(super) fn actor(&mut self, job: Job<'_>) {
         let Job { machine, config, actor, critics, batch, .. } = job;
         let (rows, action) = (self.rows.len(), batch.action);

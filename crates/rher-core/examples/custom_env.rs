@@ -1,0 +1,62 @@
+//! Trains on an environment of your own: a hand in a box that carries what it touches.
+//!
+//! Run it with `cargo run --release -p rher-core --example custom_env`.
+
+use rand::{RngExt as _, SeedableRng as _};
+use rher_core::config::Preset;
+use rher_core::env::{Env, EnvError, EnvSpec, Start};
+use rher_core::event::{Event, Observer, ObserverError};
+use rher_core::goal::{Achieved, Desired, Position, Scene, Tolerances};
+use rher_core::train::Trainer;
+use std::sync::atomic::AtomicBool;
+
+struct Carry { spec: EnvSpec<1>, scene: Scene<1> }
+
+impl Env<1> for Carry {
+    fn spec(&self) -> &EnvSpec<1> {
+        &self.spec
+    }
+
+    fn reset(&mut self, seed: u64, observation: &mut [f32]) -> Result<Start<1>, EnvError> {
+        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
+        let mut anywhere = || Position::new(rng.random(), rng.random(), 0.0);
+        self.scene = Scene { gripper: anywhere(), objects: [anywhere()] };
+        observation.copy_from_slice((self.scene.gripper - self.scene.objects[0]).as_slice());
+        Ok(Start { achieved: Achieved(self.scene), desired: Desired::of_task([anywhere()]) })
+    }
+
+    fn step(&mut self, action: &[f32], observation: &mut [f32]) -> Result<Achieved<1>, EnvError> {
+        let held = nalgebra::distance(&self.scene.gripper, &self.scene.objects[0]) < 0.08;
+        self.scene.gripper.x = (self.scene.gripper.x + 0.1 * action[0]).clamp(0.0, 1.0);
+        self.scene.gripper.y = (self.scene.gripper.y + 0.1 * action[1]).clamp(0.0, 1.0);
+        self.scene.objects[0] = if held { self.scene.gripper } else { self.scene.objects[0] };
+        observation.copy_from_slice((self.scene.gripper - self.scene.objects[0]).as_slice());
+        Ok(Achieved(self.scene))
+    }
+}
+
+struct Print;
+
+impl Observer for Print {
+    #[expect(clippy::print_stdout, reason = "an example talks to its reader")]
+    fn on(&mut self, event: &Event) -> Result<(), ObserverError> {
+        if let Event::Evaluated(metrics) = event {
+            println!("{:6} steps: {:?}", metrics.env_steps, metrics.success);
+        }
+        Ok(())
+    }
+}
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let nowhere = Scene { gripper: Position::origin(), objects: [Position::origin()] };
+    let spec = EnvSpec {
+        name: "carry".to_owned(), observation: 3, action: 2, episode_steps: 25, subtasks: 2,
+        tolerances: Tolerances::uniform(0.05), mirror: None,
+    };
+    let mut config = Preset::Fast.config("carry", 1);
+    config.env_steps = 10_000;
+    config.agent.hidden = vec![64, 64];
+    let mut trainer = Trainer::new(config, vec![Carry { spec, scene: nowhere }], 1)?;
+    trainer.run(None, &mut Print, &AtomicBool::new(false))?;
+    Ok(trainer.policy().save("carry.safetensors".as_ref())?)
+}

@@ -1,0 +1,78 @@
+//! The fused engine does not allocate once it has seen a batch.
+#![cfg(feature = "agent")]
+#![expect(unsafe_code, reason = "an allocator that counts is unsafe to write")]
+
+use rand::SeedableRng as _;
+use rand_chacha::ChaCha8Rng;
+use rher_core::agent::config::{AgentConfig, EngineKind, Init, TargetEvery};
+use rher_core::agent::fused::FusedEngine;
+use rher_core::agent::learner::{Engine as _, LearnerState};
+use rher_core::batch::Batch;
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+struct Counting;
+
+static ALLOCATIONS: AtomicUsize = AtomicUsize::new(0);
+
+// SAFETY: everything is passed on to the system's allocator.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
+        // SAFETY: the caller's promise.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, memory: *mut u8, layout: Layout) {
+        // SAFETY: the caller's promise.
+        unsafe { System.dealloc(memory, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// Updates of either kind: with the actor and without.
+const UPDATES: usize = 200;
+
+fn allocations_of_updates(threads: usize, critic_layer_norm: bool) -> usize {
+    let config = AgentConfig {
+        engine: EngineKind::Fused,
+        hidden: vec![48, 40],
+        init: Init::FanIn,
+        critics: 2,
+        critic_layer_norm,
+        policy_delay: 2,
+        target_noise: 0.2,
+        target_noise_clip: 0.5,
+        discount: 0.98,
+        action_l2: 1.0,
+        actor_learning_rate: 1e-3,
+        critic_learning_rate: 1e-3,
+        target_rate: 0.005,
+        target_every: TargetEvery::Update,
+    };
+    let (rows, input, action) = (300, 31, 4);
+    let state = LearnerState::new(&config, input, action, &mut ChaCha8Rng::seed_from_u64(0));
+    let mut engine =
+        FusedEngine::from_state(&config, state).with_threads(threads).expect("threads start");
+    let batch = Batch::zeros(rows, input, action);
+    let noise = vec![0.5; rows * action];
+    engine.update(&batch, &noise);
+    let before = ALLOCATIONS.load(Ordering::Relaxed);
+    for _ in 0..UPDATES {
+        assert!(engine.update(&batch, &noise).is_finite());
+    }
+    ALLOCATIONS.load(Ordering::Relaxed) - before
+}
+
+#[test]
+fn updates_after_the_first_do_not_allocate() {
+    // Threads that end allocate too, so the pools come last.
+    for critic_layer_norm in [false, true] {
+        assert_eq!(allocations_of_updates(1, critic_layer_norm), 0);
+    }
+    // Entering a pool takes a block of its queue now and then: rayon's, not ours.
+    let in_pool = allocations_of_updates(2, false);
+    assert!(in_pool <= UPDATES / 20, "{in_pool}");
+}
