@@ -83,7 +83,7 @@ fn training_help_teaches() {
                              experiment
           --workers <N>      Threads that do the work; never part of the result [default: one for each
                              core]
-          --out <DIR>        Run folder to make [default: runs/<TASK>-<METHOD>-<PRESET>-<SEED>]
+          --out <DIR>        Run folder to make; by default `runs/<TASK>-<METHOD>-<PRESET>-<SEED>`
           --resume <DIR>     Go on with the run in this folder, as if it had never stopped
       -q, --quiet            Tell errors only
     ");
@@ -298,7 +298,7 @@ fn wrong_settings_on_the_command_line_are_refused() {
     ");
     assert_snapshot!(rher.run("train push --set exploration.random=0.9"), @"
     exit 2
-    error: `exploration.guide` is 0.4, expected at most 1 − `exploration.random`
+    error: --set: `exploration.guide` is 0.4, expected at most 1 − `exploration.random`
 
     hint: `rher config <TASK>` prints every setting with its value
     ");

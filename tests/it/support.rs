@@ -78,7 +78,7 @@ impl Rher {
         let started = Instant::now();
         let path = self.path(run).join("metrics.jsonl");
         while std::fs::metadata(&path).map_or(0, |file| file.len()) == 0 {
-            assert!(started.elapsed() < Duration::from_secs(60), "no metrics after a minute");
+            assert!(started.elapsed() < Duration::from_mins(1), "no metrics after a minute");
             std::thread::sleep(Duration::from_millis(2));
         }
     }

@@ -81,7 +81,7 @@ pub(crate) struct TrainArgs {
     #[arg(long, value_name = "N")]
     pub(crate) workers: Option<NonZeroUsize>,
 
-    /// Run folder to make [default: runs/<TASK>-<METHOD>-<PRESET>-<SEED>]
+    /// Run folder to make; by default `runs/<TASK>-<METHOD>-<PRESET>-<SEED>`
     ///
     /// It gets `config.toml`, `metrics.jsonl` (one line for each evaluation), `checkpoint/` and
     /// `policy.safetensors`. A folder that already holds a run is left alone.

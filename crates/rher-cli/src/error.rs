@@ -40,7 +40,7 @@ impl Report {
             Self::new(Status::Usage, "`rher tasks` lists the tasks of this program")
         };
         None.or_else(|| cause.downcast_ref().map(Self::of_settings))
-            .or_else(|| cause.downcast_ref().and_then(Self::of_run_dir))
+            .or_else(|| cause.downcast_ref().map(Self::of_run_dir))
             .or_else(|| cause.downcast_ref().and_then(Self::of_train))
             .or_else(|| cause.downcast_ref().and_then(Self::of_checkpoint))
             .or_else(|| cause.downcast_ref().and_then(Self::of_policy))
@@ -100,7 +100,7 @@ impl Report {
         }
     }
 
-    fn of_run_dir(error: &RunDirError) -> Option<Self> {
+    fn of_run_dir(error: &RunDirError) -> Self {
         let hint = match error {
             RunDirError::InUse { .. } => {
                 "wait until it is done, or choose another folder with --out".to_owned()
@@ -110,9 +110,9 @@ impl Report {
                 path.display()
             ),
             RunDirError::NoRun { .. } => "`rher train <TASK> --out DIR` starts one".to_owned(),
-            RunDirError::Write(error) => return Some(Self::of_write(&error.source)),
+            RunDirError::Write(error) => return Self::of_write(&error.source),
         };
-        Some(Self::new(Status::RunFolder, hint))
+        Self::new(Status::RunFolder, hint)
     }
 
     fn of_train(error: &TrainError) -> Option<Self> {

@@ -244,10 +244,12 @@ impl Layers {
         Ok(())
     }
 
-    fn finish(mut self) -> Result<TrainConfig, SettingsError> {
+    fn finish(self) -> Result<TrainConfig, SettingsError> {
         let Err(error) = self.config.validate() else { return Ok(self.config) };
-        match self.origins.remove(error.key) {
-            Some(origin) => Err(SettingsError::OutOfRange { origin, error }),
+        // Some ranges depend on another setting, and then that one may be the culprit.
+        let blamed = |key: &str| key == error.key || error.allowed.contains(&format!("`{key}`"));
+        match self.origins.into_iter().find(|(key, _)| blamed(key)) {
+            Some((_, origin)) => Err(SettingsError::OutOfRange { origin, error }),
             None => Err(error.into()),
         }
     }
