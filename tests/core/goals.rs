@@ -54,37 +54,74 @@ fn hindsight<const N: usize>(later_objects: LaterObjects) -> Desired<N> {
 
 #[test]
 fn goals_of_the_task_with_one_object() {
-    assert_snapshot!(table(&asked::<1>()), @"");
+    assert_snapshot!(table(&asked::<1>()), @r"
+    reach 1: object 1 now    blank
+    place 1: blank           target 1
+    ");
 }
 
 #[test]
 fn goals_of_the_task_with_two_objects() {
-    assert_snapshot!(table(&asked::<2>()), @"");
+    assert_snapshot!(table(&asked::<2>()), @r"
+    reach 1: object 1 now    blank           object 2 now
+    place 1: blank           target 1        object 2 now
+    reach 2: object 2 now    target 1        blank
+    place 2: blank           target 1        target 2
+    ");
 }
 
 #[test]
 fn goals_of_the_task_with_three_objects() {
-    assert_snapshot!(table(&asked::<3>()), @"");
+    assert_snapshot!(table(&asked::<3>()), @r"
+    reach 1: object 1 now    blank           object 2 now    object 3 now
+    place 1: blank           target 1        object 2 now    object 3 now
+    reach 2: object 2 now    target 1        blank           object 3 now
+    place 2: blank           target 1        target 2        object 3 now
+    reach 3: object 3 now    target 1        target 2        blank
+    place 3: blank           target 1        target 2        target 3
+    ");
 }
 
 #[test]
 fn goals_in_hindsight_with_one_object() {
-    assert_snapshot!(table(&hindsight::<1>(LaterObjects::Now)), @"");
+    assert_snapshot!(table(&hindsight::<1>(LaterObjects::Now)), @r"
+    reach 1: gripper later   blank
+    place 1: blank           object 1 later
+    ");
 }
 
 #[test]
 fn goals_in_hindsight_with_two_objects() {
-    assert_snapshot!(table(&hindsight::<2>(LaterObjects::Now)), @"");
+    assert_snapshot!(table(&hindsight::<2>(LaterObjects::Now)), @r"
+    reach 1: gripper later   blank           object 2 now
+    place 1: blank           object 1 later  object 2 now
+    reach 2: gripper later   object 1 later  blank
+    place 2: blank           object 1 later  object 2 later
+    ");
 }
 
 #[test]
 fn goals_in_hindsight_with_three_objects_as_the_code_has_them() {
-    assert_snapshot!(table(&hindsight::<3>(LaterObjects::Now)), @"");
+    assert_snapshot!(table(&hindsight::<3>(LaterObjects::Now)), @r"
+    reach 1: gripper later   blank           object 2 now    object 3 now
+    place 1: blank           object 1 later  object 2 now    object 3 now
+    reach 2: gripper later   object 1 later  blank           object 3 now
+    place 2: blank           object 1 later  object 2 later  object 3 now
+    reach 3: gripper later   object 1 later  object 2 later  blank
+    place 3: blank           object 1 later  object 2 later  object 3 later
+    ");
 }
 
 #[test]
 fn goals_in_hindsight_with_three_objects_as_the_paper_has_them() {
-    assert_snapshot!(table(&hindsight::<3>(LaterObjects::Later)), @"");
+    assert_snapshot!(table(&hindsight::<3>(LaterObjects::Later)), @r"
+    reach 1: gripper later   blank           object 2 later  object 3 later
+    place 1: blank           object 1 later  object 2 later  object 3 later
+    reach 2: gripper later   object 1 later  blank           object 3 later
+    place 2: blank           object 1 later  object 2 later  object 3 later
+    reach 3: gripper later   object 1 later  object 2 later  blank
+    place 3: blank           object 1 later  object 2 later  object 3 later
+    ");
 }
 
 #[test]

@@ -77,27 +77,3 @@ fn hindsight_and_the_relay_are_what_learns() {
     assert!(rates[0] >= rates[1] + 0.2, "relay against plain hindsight {rates:?}");
     assert!(rates[2] <= 0.2, "no hindsight {rates:?}");
 }
-
-#[test]
-fn zz_debug() {
-    let mut config = small("magnet", 1);
-    config.env_steps = 600 * 25;
-    config.evaluation.every_episodes = 50;
-    config.relay.reach_distance = 0.09;
-    for kv in std::env::var("DBG").unwrap_or_default().split_whitespace() {
-        match kv {
-            "abs" => config.relay.goal_frame = rher_core::config::GoalFrame::Absolute,
-            "l2" => config.agent.action_l2 = 0.1,
-            "noflip" => config.relay.mirror = 0.0,
-            "big" => config.agent.hidden = vec![256, 256],
-            "batch" => config.replay.batch_size = 256,
-            "g98" => config.agent.discount = 0.98,
-            "slow" => config.agent.target_rate = 0.05,
-            _ => {}
-        }
-    }
-    let mut lines = Lines::default();
-    let mut trainer = Trainer::new(config, vec![Magnet::<1>::new()], 1).unwrap();
-    trainer.run(None, &mut lines, &AtomicBool::new(false)).unwrap();
-    for m in &lines.0 { eprintln!("{:?} moved {:?} q {:.2} {:.2} {:.2} cl {:.4} al {:.3} ag {:.3} dist {:.3}", m.success, m.moved, m.q_min, m.q_mean, m.q_max, m.critic_loss, m.actor_loss, m.actor_gradient, m.final_distance); }
-}

@@ -61,11 +61,7 @@ impl<const N: usize> Env<N> for Magnet<N> {
         Ok(Start { achieved: Achieved(self.scene), desired: Desired::of_task(self.desired) })
     }
 
-    fn step(
-        &mut self,
-        action: &[f32],
-        observation: &mut [f32],
-    ) -> Result<Achieved<N>, EnvError> {
+    fn step(&mut self, action: &[f32], observation: &mut [f32]) -> Result<Achieved<N>, EnvError> {
         let before = self.scene.gripper;
         let step = |place: f32, action: f32| (place + STRIDE * action).clamp(0.0, 1.0);
         self.scene.gripper =
@@ -119,11 +115,7 @@ impl Env<1> for Probe {
         Ok(Start { achieved: Achieved(Scene { gripper: here, objects: [here] }), desired })
     }
 
-    fn step(
-        &mut self,
-        action: &[f32],
-        observation: &mut [f32],
-    ) -> Result<Achieved<1>, EnvError> {
+    fn step(&mut self, action: &[f32], observation: &mut [f32]) -> Result<Achieved<1>, EnvError> {
         observation[0] = 1.0;
         let here = Position::new(STRIDE * action[0], 0.0, 0.0);
         Ok(Achieved(Scene { gripper: here, objects: [here] }))

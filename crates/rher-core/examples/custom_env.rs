@@ -10,7 +10,10 @@ use rher_core::goal::{Achieved, Desired, Position, Scene, Tolerances};
 use rher_core::train::Trainer;
 use std::sync::atomic::AtomicBool;
 
-struct Carry { spec: EnvSpec<1>, scene: Scene<1> }
+struct Carry {
+    spec: EnvSpec<1>,
+    scene: Scene<1>,
+}
 
 impl Env<1> for Carry {
     fn spec(&self) -> &EnvSpec<1> {
@@ -50,8 +53,13 @@ impl Observer for Print {
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let nowhere = Scene { gripper: Position::origin(), objects: [Position::origin()] };
     let spec = EnvSpec {
-        name: "carry".to_owned(), observation: 3, action: 2, episode_steps: 25, subtasks: 2,
-        tolerances: Tolerances::uniform(0.05), mirror: None,
+        name: "carry".to_owned(),
+        observation: 3,
+        action: 2,
+        episode_steps: 25,
+        subtasks: 2,
+        tolerances: Tolerances::uniform(0.05),
+        mirror: None,
     };
     let mut config = Preset::Fast.config("carry", 1);
     config.env_steps = 10_000;

@@ -32,8 +32,8 @@ pub enum EvaluateError {
     Rollout(#[from] RolloutError),
 }
 
-/// Plays `config.episodes` episodes for the last sub-task of `policy`, and with
-/// `with_subtasks` `config.subtask_episodes` for each sub-task before it.
+/// Plays `config.episodes` episodes for the last sub-task of `policy`, and
+/// `config.subtask_episodes` for each sub-task before it that it was trained for.
 ///
 /// Episodes are shared out among `envs`, in parallel on the current thread pool; the result does
 /// not depend on how.
@@ -46,14 +46,13 @@ pub fn evaluate<const N: usize, E: Env<N>>(
     policy: &Policy,
     config: &EvaluationConfig,
     test_policy: TestPolicy,
-    with_subtasks: bool,
 ) -> Result<Evaluation, EvaluateError> {
     let spec = envs[0].spec();
     policy.check(spec)?;
     let tolerances = spec.tolerances;
     let stages: Vec<Stage<N>> = Stage::all().take(policy.about().subtasks).collect();
     let last = stages.len() - 1;
-    let first = if with_subtasks { 0 } else { last };
+    let first = policy.about().untrained;
     let plays: Vec<(Stage<N>, u64)> = stages[first..]
         .iter()
         .flat_map(|&stage| {
@@ -99,7 +98,7 @@ pub fn evaluate<const N: usize, E: Env<N>>(
     let rate = |stage: usize, episodes: usize| successes[stage] as f32 / episodes as f32;
     let success_final = rate(last, config.episodes);
     let success = (0..last)
-        .map(|stage| with_subtasks.then(|| rate(stage, config.subtask_episodes)))
+        .map(|stage| (stage >= first).then(|| rate(stage, config.subtask_episodes)))
         .chain([Some(success_final)])
         .collect();
     let final_distance = (distances / config.episodes as f64) as f32;

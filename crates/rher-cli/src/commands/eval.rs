@@ -8,7 +8,7 @@ use crate::printer::Printer;
 use crate::run_dir;
 use rher_core::agent::policy::Policy;
 use rher_core::checkpoint::POLICY_FILE;
-use rher_core::config::{EvaluationConfig, Method, TestPolicy};
+use rher_core::config::{EvaluationConfig, TestPolicy};
 use rher_core::evaluate::{Evaluation, evaluate};
 use rher_envs::{EnvVisitor, Simulated, Task};
 use serde::Serialize;
@@ -46,8 +46,7 @@ pub(crate) fn eval(args: &EvalArgs, printer: Printer) -> anyhow::Result<()> {
             subtask_episodes: episodes,
             env_seed: *seed,
         },
-        test_policy: run.as_ref().map_or(TestPolicy::Final, |run| run.exploration.test_policy),
-        with_subtasks: run.is_none_or(|run| run.relay.method == Method::Rher),
+        test_policy: run.map_or(TestPolicy::Final, |run| run.exploration.test_policy),
         workers: threads(*workers),
     })?;
     let Evaluation { success, success_final, final_distance } = evaluation;
@@ -71,7 +70,6 @@ struct Evaluate<'a> {
     policy: &'a Policy,
     config: EvaluationConfig,
     test_policy: TestPolicy,
-    with_subtasks: bool,
     workers: usize,
 }
 
@@ -79,11 +77,10 @@ impl EnvVisitor for Evaluate<'_> {
     type Output = anyhow::Result<Evaluation>;
 
     fn visit<const N: usize, E: Simulated<N>>(self, build: fn() -> E) -> Self::Output {
-        let Self { policy, config, test_policy, with_subtasks, workers } = self;
+        let Self { policy, config, test_policy, workers } = self;
         let pool = rayon::ThreadPoolBuilder::new().num_threads(workers).build()?;
         let mut envs: Vec<E> = (0..workers).map(|_| build()).collect();
-        let evaluation =
-            pool.install(|| evaluate(&mut envs, policy, &config, test_policy, with_subtasks));
+        let evaluation = pool.install(|| evaluate(&mut envs, policy, &config, test_policy));
         Ok(evaluation?)
     }
 }

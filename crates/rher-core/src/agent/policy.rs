@@ -32,8 +32,11 @@ pub struct About {
     pub task: String,
     /// Objects in it.
     pub objects: usize,
-    /// Sub-tasks it was trained for, from the first.
+    /// Sub-tasks of its task, from the first.
     pub subtasks: usize,
+    /// Sub-tasks before the first one that it was trained for: none, but for plain hindsight,
+    /// which trains the last alone.
+    pub untrained: usize,
     /// Numbers in an observation.
     pub observation: usize,
     /// Numbers in an action.
@@ -203,8 +206,11 @@ impl Policy {
         if let Some((what, found, expected)) = facts.iter().find(|(_, a, b)| a != b) {
             return Err(format!("{what}: {found} in one place and {expected} in another"));
         }
-        if about.subtasks == 0 || about.subtasks > 2 * about.objects {
-            return Err(format!("{} sub-tasks for {} objects", about.subtasks, about.objects));
+        if about.untrained >= about.subtasks || about.subtasks > 2 * about.objects {
+            let About { objects, subtasks, untrained, .. } = about;
+            return Err(format!(
+                "{subtasks} sub-tasks, {untrained} of them untrained, for {objects} objects"
+            ));
         }
         match parameters.iter().position(|x| !x.is_finite()) {
             Some(index) => Err(format!("parameter {index} is {}", parameters[index])),

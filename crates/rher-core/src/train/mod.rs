@@ -150,6 +150,10 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
             task: spec.name.clone(),
             objects: N,
             subtasks: spec.subtasks,
+            untrained: match config.relay.method {
+                Method::Rher => 0,
+                Method::Her => spec.subtasks - 1,
+            },
             observation: spec.observation,
             action: spec.action,
             reach_distance: config.relay.reach_distance,
@@ -198,11 +202,8 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
             .build()
             .map_err(|source| TrainError::Threads { workers, source })?;
         let RunState { config, about, encoder, .. } = &state;
-        let relayed: Vec<Stage<N>> = Stage::all().take(about.subtasks).collect();
-        let stages = match config.relay.method {
-            Method::Rher => relayed,
-            Method::Her => relayed[about.subtasks - 1..].to_vec(),
-        };
+        let stages: Vec<Stage<N>> =
+            Stage::all().take(about.subtasks).skip(about.untrained).collect();
         let rows = config.replay.batch_size;
         let subtask_batch = |stages: Vec<Stage<N>>| SubtaskBatch {
             batch: Batch::zeros(rows * stages.len(), encoder.width(), about.action),
@@ -215,7 +216,8 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
         let relabeler = Relabeler::new(&config.relay, &spec);
         let noise = vec![0.0; rows * stages.len() * about.action];
         let actor_shape = learner.actor.shape.clone();
-        let mut engine = crate::agent::engine(&state.config.agent, learner);
+        let mut engine = crate::agent::engine(&state.config.agent, learner, workers)
+            .map_err(|source| TrainError::Threads { workers, source })?;
         let policy = Policy::new(
             state.about.clone(),
             state.encoder.clone(),
@@ -413,12 +415,11 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
 
     fn evaluate(&mut self) -> Result<Evaluation, TrainError> {
         let started = Instant::now();
-        let TrainConfig { evaluation, exploration, relay, .. } = &self.state.config;
-        let with_subtasks = relay.method == Method::Rher;
+        let TrainConfig { evaluation, exploration, .. } = &self.state.config;
         let (envs, policy) = (&mut self.envs, &self.policy);
         let evaluation = self
             .pool
-            .install(|| evaluate(envs, policy, evaluation, exploration.test_policy, with_subtasks))
+            .install(|| evaluate(envs, policy, evaluation, exploration.test_policy))
             .map_err(|source| TrainError::Evaluate { episode: self.state.episodes, source })?;
         self.state.seconds.evaluate += started.elapsed().as_secs_f64();
         Ok(evaluation)

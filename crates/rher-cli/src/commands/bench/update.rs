@@ -98,21 +98,18 @@ fn measure(
     let mut noise = vec![0.0; batch * ACTION];
     noise.fill_with(|| rng.sample(StandardNormal));
 
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
-    let seconds_per_update = pool.install(|| {
-        let mut learner = agent::engine(&config, state);
-        let mut time = |least: Duration| {
-            let started = Instant::now();
-            let mut updates = 0_u32;
-            while started.elapsed() < least {
-                learner.update(&rows, &noise);
-                updates += 1;
-            }
-            started.elapsed().as_secs_f64() / f64::from(updates)
-        };
-        time(WARM_UP);
-        time(MEASURED)
-    });
+    let mut learner = agent::engine(&config, state, threads)?;
+    let mut time = |least: Duration| {
+        let started = Instant::now();
+        let mut updates = 0_u32;
+        while started.elapsed() < least {
+            learner.update(&rows, &noise);
+            updates += 1;
+        }
+        started.elapsed().as_secs_f64() / f64::from(updates)
+    };
+    time(WARM_UP);
+    let seconds_per_update = time(MEASURED);
     Ok(UpdateSpeed {
         batch,
         inputs,
