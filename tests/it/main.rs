@@ -4,5 +4,6 @@
 
 mod cli;
 mod determinism;
+mod learning;
 mod resume;
 mod support;

@@ -243,10 +243,9 @@ fn append_episodes<const N: usize>(
     saved_episodes: u64,
 ) -> Result<(), CheckpointError> {
     let new = (replay.pushed() - saved_episodes).min(replay.episodes() as u64);
-    let mut index = replay.pushed() - new;
     let mut open: Option<(u64, PathBuf, File)> = None;
     let mut record = Vec::new();
-    for episode in replay.newest(new as usize) {
+    for (index, episode) in (replay.pushed() - new..).zip(replay.newest(new as usize)) {
         let part = index / EPISODES_PER_FILE;
         if open.as_ref().is_none_or(|(opened, ..)| *opened != part) {
             if let Some((_, path, file)) = open.take() {
@@ -262,7 +261,6 @@ fn append_episodes<const N: usize>(
                 .and_then(|_| file.write_all(&record))
                 .map_err(failed("write", path))?;
         }
-        index += 1;
     }
     match open {
         Some((_, path, file)) => file.sync_all().map_err(failed("write", &path)),

@@ -124,10 +124,9 @@ fn play<const N: usize>(
             if now.index() < stage.index() { now } else { stage }
         };
         let acting = match test_policy {
-            TestPolicy::Final => stage,
             TestPolicy::Guide => current(),
             TestPolicy::Mix if rng.random() => current(),
-            TestPolicy::Mix => stage,
+            TestPolicy::Mix | TestPolicy::Final => stage,
         };
         actor.act(acting, view.observation, view.achieved, view.desired, action);
     })

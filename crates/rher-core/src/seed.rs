@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 /// The seed of a run.
 ///
-/// Every random draw comes from a ChaCha8 stream that is a function of the seed, a purpose and a
+/// Every random draw comes from a `ChaCha8` stream that is a function of the seed, a purpose and a
 /// count (of episodes, of updates).
 /// So a run that is resumed needs no generator states, and the order in which threads happen to
 /// work changes nothing.

@@ -110,9 +110,9 @@ fn paper(task: &str, objects: usize) -> TrainConfig {
     }
 }
 
-/// Relative goals, mirrored batches, targets that follow every update, γ 0.95, and all sub-tasks
-/// in one joint batch of half the rows; as many updates as the two sub-tasks of one object make in
-/// the paper.
+/// Relative goals, mirrored batches, TD3's two critics, targets that follow every update, γ 0.95,
+/// and all sub-tasks in one joint batch of half the rows; as many updates as the two sub-tasks of
+/// one object make in the paper.
 fn fast(paper: TrainConfig) -> TrainConfig {
     TrainConfig {
         preset: Preset::Fast,
@@ -125,6 +125,9 @@ fn fast(paper: TrainConfig) -> TrainConfig {
             ..paper.replay
         },
         agent: AgentConfig {
+            critics: 2,
+            policy_delay: 2,
+            target_noise: 0.2,
             discount: 0.95,
             target_rate: 0.01,
             target_every: TargetEvery::Update,

@@ -88,7 +88,7 @@ impl TrainConfig {
     }
 }
 
-fn at_least<T: PartialOrd + ToString>(
+fn at_least<T: Copy + PartialOrd + ToString>(
     key: &'static str,
     value: T,
     least: T,

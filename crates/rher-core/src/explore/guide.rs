@@ -21,7 +21,7 @@ pub enum Choice<const N: usize> {
 pub struct Guide<const N: usize> {
     config: ExplorationConfig,
     method: Method,
-    guide: usize,
+    leading: usize,
     last: usize,
     rates: Vec<f32>,
 }
@@ -32,7 +32,7 @@ impl<const N: usize> Guide<N> {
         Self {
             config: config.exploration.clone(),
             method: config.relay.method,
-            guide: curriculum.guide(),
+            leading: curriculum.guide(),
             last: subtasks - 1,
             rates: (0..subtasks).map(|subtask| curriculum.rate(subtask)).collect(),
         }
@@ -43,7 +43,7 @@ impl<const N: usize> Guide<N> {
     /// With probability β it is chance, with α the policy of sub-task max(g, j), otherwise the one
     /// after it. Where both are the last sub-task it counts as the learner.
     pub fn draw(&self, stage: Stage<N>, rng: &mut impl Rng) -> Choice<N> {
-        let first = self.guide.max(stage.index()).min(self.last);
+        let first = self.leading.max(stage.index()).min(self.last);
         let next = (first + 1).min(self.last);
         let guided = self.method == Method::Rher && first < next;
         let learner = if self.method == Method::Her { self.last } else { next };
