@@ -124,8 +124,8 @@ fn one_update_agrees<E: Engine>(build: Build<E>, config: &AgentConfig) {
         }))
     };
     let squares = slopes_agree(&before.actor, &after.actor, error);
-    close(losses.actor.unwrap(), error(&doubles(&before.actor.online)));
-    close(losses.actor_gradient.unwrap(), squares.sqrt());
+    close(losses.actor.expect("the actor moved"), error(&doubles(&before.actor.online)));
+    close(losses.actor_gradient.expect("the actor moved"), squares.sqrt());
 
     if config.target_every == TargetEvery::Episode {
         targets_followed(0.0, &before, &after);

@@ -15,6 +15,8 @@ pub mod network;
 pub mod policy;
 
 #[cfg(all(test, feature = "agent"))]
+mod agreement;
+#[cfg(all(test, feature = "agent"))]
 mod contract;
 
 /// The engine that `config` names, going on from `state` on at most this many threads.
