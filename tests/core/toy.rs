@@ -126,6 +126,10 @@ impl Env<1> for Probe {
 pub(crate) fn small(task: &str, objects: usize) -> TrainConfig {
     let mut config = Preset::Fast.config(task, objects);
     config.agent.hidden = vec![32, 32];
+    config.agent.critics = 1;
+    config.agent.policy_delay = 1;
+    config.agent.target_noise = 0.0;
+    config.replay.updates_per_episode = 40;
     config.replay.batch_size = 64;
     config.replay.warmup_episodes = 0;
     config.evaluation.every_episodes = 10;
