@@ -5,8 +5,8 @@
 use rand::{RngExt as _, SeedableRng as _};
 use rher_core::config::Preset;
 use rher_core::env::{Env, EnvError, EnvSpec, Start};
-use rher_core::event::{Event, Observer, ObserverError};
-use rher_core::goal::{Achieved, Desired, Position, Scene, Tolerances};
+use rher_core::event::Event;
+use rher_core::goal::{Achieved, Desired, Position, Scene};
 use rher_core::train::Trainer;
 use std::sync::atomic::AtomicBool;
 
@@ -38,33 +38,20 @@ impl Env<1> for Carry {
     }
 }
 
-struct Print;
-
-impl Observer for Print {
-    #[expect(clippy::print_stdout, reason = "an example talks to its reader")]
-    fn on(&mut self, event: &Event) -> Result<(), ObserverError> {
+#[expect(clippy::print_stdout, reason = "an example talks to its reader")]
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let mut config = Preset::Fast.config("carry", 1);
+    config.env_steps = 10_000;
+    config.agent.hidden = vec![64, 64];
+    let scene = Scene { gripper: Position::origin(), objects: [Position::origin()] };
+    let env = Carry { spec: EnvSpec::new("carry", 3, 2, 25), scene };
+    let mut trainer = Trainer::new(config, vec![env], 1)?;
+    let mut print = |event: &Event| {
         if let Event::Evaluated(metrics) = event {
             println!("{:6} steps: {:?}", metrics.env_steps, metrics.success);
         }
         Ok(())
-    }
-}
-
-fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let nowhere = Scene { gripper: Position::origin(), objects: [Position::origin()] };
-    let spec = EnvSpec {
-        name: "carry".to_owned(),
-        observation: 3,
-        action: 2,
-        episode_steps: 25,
-        subtasks: 2,
-        tolerances: Tolerances::uniform(0.05),
-        mirror: None,
     };
-    let mut config = Preset::Fast.config("carry", 1);
-    config.env_steps = 10_000;
-    config.agent.hidden = vec![64, 64];
-    let mut trainer = Trainer::new(config, vec![Carry { spec, scene: nowhere }], 1)?;
-    trainer.run(None, &mut Print, &AtomicBool::new(false))?;
+    trainer.run(None, &mut print, &AtomicBool::new(false))?;
     Ok(trainer.policy().save("carry.safetensors".as_ref())?)
 }

@@ -21,6 +21,21 @@ pub struct EnvSpec<const N: usize> {
     pub mirror: Option<Mirror>,
 }
 
+impl<const N: usize> EnvSpec<N> {
+    /// Every one of the 2 N sub-tasks, tolerances of 5 cm, no plane of symmetry.
+    pub fn new(name: &str, observation: usize, action: usize, episode_steps: usize) -> Self {
+        Self {
+            name: name.to_owned(),
+            observation,
+            action,
+            episode_steps,
+            subtasks: 2 * N,
+            tolerances: Tolerances::uniform(0.05),
+            mirror: None,
+        }
+    }
+}
+
 /// A plane of symmetry, perpendicular to one world axis: every episode has a mirror image that
 /// obeys the same physics.
 #[derive(Clone, Debug, PartialEq)]

@@ -108,9 +108,9 @@ pub trait Observer {
     fn on(&mut self, event: &Event) -> Result<(), ObserverError>;
 }
 
-/// Watches nothing.
-impl Observer for () {
-    fn on(&mut self, _event: &Event) -> Result<(), ObserverError> {
-        Ok(())
+/// A closure is an observer: `&mut |_: &Event| Ok(())` watches nothing.
+impl<F: FnMut(&Event) -> Result<(), ObserverError>> Observer for F {
+    fn on(&mut self, event: &Event) -> Result<(), ObserverError> {
+        self(event)
     }
 }

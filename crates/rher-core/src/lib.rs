@@ -1,7 +1,31 @@
 //! Relay Hindsight Experience Replay for environments of your own.
 //!
-//! Modules in the order in which data flows through them: [`goal`] and [`env`] say what is asked
-//! and what happens, [`episode`] and [`replay`] keep it, [`relabel`] replays it for every sub-task.
+//! A task with `N` objects is cut into `2 N` stages (reach an object, move it, reach the next),
+//! and one network learns the `2 N` sub-tasks that end with each of them.
+//!
+//! Data flows through the modules in this order: [`goal`] and [`mod@env`] say what is asked and
+//! what happens, [`explore`] who acts, [`episode`] and [`replay`] keep what happened, [`relabel`]
+//! replays it for every sub-task as [`input`] to the networks, in a [`batch`], and [`agent`]
+//! learns from it; `train` is the loop around them.
+//!
+//! ```
+//! use rher_core::goal::{Achieved, Desired, EncodedGoal, Position, Scene, Stage, Tolerances};
+//!
+//! let block = Position::new(0.3, 0.1, 0.0);
+//! let now = Achieved(Scene { gripper: Position::origin(), objects: [block] });
+//! let desired = Desired::of_task([Position::new(0.4, 0.1, 0.0)]);
+//! let tolerances = Tolerances::uniform(0.05);
+//!
+//! // The hand is far from the block, so the relay is at its first stage: reach it.
+//! let stage = Stage::of(&now, &desired, &tolerances, 0.03);
+//! assert_eq!(stage, Stage::FIRST);
+//!
+//! // That sub-task sees the block's place as the hand's goal, and a blank for the block.
+//! let goal = EncodedGoal::new(stage, &now, &desired);
+//! assert_eq!(goal.gripper(), Some(block));
+//! assert_eq!(goal.objects(), &[None]);
+//! assert_eq!(goal.reward(&now, &tolerances), -1.0);
+//! ```
 
 pub mod agent;
 pub mod batch;

@@ -228,7 +228,8 @@ pub struct Actor<'a> {
 }
 
 impl Actor<'_> {
-    /// Writes the action of the policy for the sub-task that ends with `stage`.
+    /// Writes the action of the policy for the sub-task that ends with `stage`: the one network,
+    /// fed with the goal encoded for that stage (eq. 7).
     ///
     /// # Shapes
     ///
