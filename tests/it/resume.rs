@@ -133,9 +133,11 @@ fn a_truncated_checkpoint_is_named_with_the_last_good_one() {
     let path = rher.path("run/checkpoint/current.ckpt");
     let good = fs::read(&path).unwrap();
     fs::write(&path, &good[..100]).unwrap();
-    assert_snapshot!(rher.run("train --resume run"), @"
+    let state = (good.len() - 24).to_string();
+    let ran = rher.run("train --resume run").to_string().replace(&state, "[all of it]");
+    assert_snapshot!(ran, @"
     exit 8
-    error: `run/checkpoint/current.ckpt` is damaged: 76 bytes of state, expected 29577; the last good one is `run/checkpoint/previous.ckpt`, at environment step 250
+    error: `run/checkpoint/current.ckpt` is damaged: 76 bytes of state, expected [all of it]; the last good one is `run/checkpoint/previous.ckpt`, at environment step 250
 
     hint: nothing was changed; an earlier checkpoint that is renamed to `current.ckpt` can be resumed, and the policy file still works
     ");
