@@ -30,11 +30,8 @@ pub(crate) fn gripper_and_object(grip: &Grip, object: &Motion, out: &mut impl Si
     out.position(object.position);
     out.vector(object.position - grip.position);
     out.fingers(grip.opening);
-    out.turn(euler_angles(&object.rotation));
-    out.vector((object.velocity - grip.velocity) * STEP_SECONDS);
-    out.turn(object.spin * STEP_SECONDS);
-    out.vector(grip.velocity * STEP_SECONDS);
-    out.fingers(grip.opening_velocity.map(|v| v * STEP_SECONDS));
+    turn_and_velocity(grip, object, out);
+    grip_velocity(grip, out);
 }
 
 /// Writes the 10 numbers of `FetchReach`: gripper (3), finger openings (2), the gripper's velocity
@@ -42,6 +39,19 @@ pub(crate) fn gripper_and_object(grip: &Grip, object: &Motion, out: &mut impl Si
 pub(crate) fn gripper_alone(grip: &Grip, out: &mut impl Sink) {
     out.position(grip.position);
     out.fingers(grip.opening);
+    grip_velocity(grip, out);
+}
+
+/// Writes 9 numbers: the Euler angles of an object (3), its velocity relative to the gripper's (3),
+/// its angular velocity (3).
+fn turn_and_velocity(grip: &Grip, object: &Motion, out: &mut impl Sink) {
+    out.turn(euler_angles(&object.rotation));
+    out.vector((object.velocity - grip.velocity) * STEP_SECONDS);
+    out.turn(object.spin * STEP_SECONDS);
+}
+
+/// Writes 5 numbers: the gripper's velocity (3), the fingers' (2).
+fn grip_velocity(grip: &Grip, out: &mut impl Sink) {
     out.vector(grip.velocity * STEP_SECONDS);
     out.fingers(grip.opening_velocity.map(|v| v * STEP_SECONDS));
 }

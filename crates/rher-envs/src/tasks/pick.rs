@@ -1,18 +1,18 @@
 //! FetchPickAndPlace: bring a block to a place on the table or above it.
 
-use super::draw_block_and_target;
+use super::blocks::{Blocks, IN_THE_AIR, are_clear_of, draw_places};
 use crate::observation::{Sink, gripper_and_object};
-use crate::sim::{Body, Fingers, World};
-use crate::simulation::{Layout, MIDDLE, Scenario};
+use crate::sim::{Fingers, World};
+use crate::simulation::{Layout, Scenario};
 use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
 use rher_core::goal::Position;
 
-/// Where the gripper starts, its fingers closed.
-const HOME: Position = Position::new(1.3419, MIDDLE, 0.5347);
+/// How far from the gripper block and target are drawn, along x and y, in metres.
+const SPREAD: f32 = 0.15;
 
 /// Of all targets, those that are above the table.
-const IN_THE_AIR: f64 = 0.5;
+const LIFTED: f64 = 0.5;
 
 /// How far above the table a target is at most, in metres.
 const LIFT: f32 = 0.45;
@@ -21,38 +21,39 @@ const LIFT: f32 = 0.45;
 ///
 /// Observation, action, goals and initial poses are those of `FetchPickAndPlace-v4`
 /// (Gymnasium-Robotics 1.4.2, `MuJoCo` 3.11.0).
-pub struct Pick {
-    block: Body,
-}
+pub struct Pick(Blocks<1>);
 
 impl Scenario<1> for Pick {
     const NAME: &'static str = "pick";
 
     fn build() -> (Self, World) {
-        let (world, block) = World::new(Fingers::Free, HOME, |scenery| {
-            scenery.table();
-            scenery.block()
-        });
-        (Self { block }, world)
+        let (blocks, world) = Blocks::build(Fingers::Free, IN_THE_AIR);
+        (Self(blocks), world)
     }
 
     fn draw(rng: &mut ChaCha8Rng) -> Layout<1> {
-        let mut layout = draw_block_and_target(HOME, rng);
-        if rng.random_bool(IN_THE_AIR) {
+        let mut layout = Layout {
+            objects: draw_places(IN_THE_AIR, SPREAD, rng, |places| {
+                are_clear_of(IN_THE_AIR, places)
+            }),
+            targets: draw_places(IN_THE_AIR, SPREAD, rng, |_| true),
+        };
+        if rng.random_bool(LIFTED) {
             layout.targets[0].z += rng.random_range(0.0..LIFT);
         }
         layout
     }
 
     fn place(&self, layout: &Layout<1>, world: &mut World) {
-        world.place(self.block, layout.objects[0]);
+        self.0.place(&layout.objects, world);
     }
 
     fn objects(&self, _: &Layout<1>, world: &World) -> [Position; 1] {
-        [world.motion(self.block).position]
+        self.0.positions(world)
     }
 
     fn observe(&self, _: &Layout<1>, world: &World, out: &mut impl Sink) {
-        gripper_and_object(&world.grip(), &world.motion(self.block), out);
+        let [block] = self.0.motions(world);
+        gripper_and_object(&world.grip(), &block, out);
     }
 }

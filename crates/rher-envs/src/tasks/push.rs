@@ -1,47 +1,46 @@
 //! FetchPush: push a block to a place on the table, with closed fingers.
 
-use super::draw_block_and_target;
+use super::blocks::{Blocks, ON_TABLE, are_clear_of, draw_places};
 use crate::observation::{Sink, gripper_and_object};
-use crate::sim::{Body, Fingers, World};
-use crate::simulation::{Layout, MIDDLE, Scenario};
+use crate::sim::{Fingers, World};
+use crate::simulation::{Layout, Scenario};
 use rand_chacha::ChaCha8Rng;
 use rher_core::goal::Position;
 
-/// Where the gripper starts, its fingers pressed on the table.
-const HOME: Position = Position::new(1.363, MIDDLE, 0.416);
+/// How far from the gripper block and target are drawn, along x and y, in metres.
+const SPREAD: f32 = 0.15;
 
 /// Push a block to a place on the table.
 ///
 /// Observation, action, goals and initial poses are those of `FetchPush-v4` (Gymnasium-Robotics
 /// 1.4.2, `MuJoCo` 3.11.0); the fourth number of an action does nothing.
-pub struct Push {
-    block: Body,
-}
+pub struct Push(Blocks<1>);
 
 impl Scenario<1> for Push {
     const NAME: &'static str = "push";
 
     fn build() -> (Self, World) {
-        let (world, block) = World::new(Fingers::Locked, HOME, |scenery| {
-            scenery.table();
-            scenery.block()
-        });
-        (Self { block }, world)
+        let (blocks, world) = Blocks::build(Fingers::Locked, ON_TABLE);
+        (Self(blocks), world)
     }
 
     fn draw(rng: &mut ChaCha8Rng) -> Layout<1> {
-        draw_block_and_target(HOME, rng)
+        Layout {
+            objects: draw_places(ON_TABLE, SPREAD, rng, |places| are_clear_of(ON_TABLE, places)),
+            targets: draw_places(ON_TABLE, SPREAD, rng, |_| true),
+        }
     }
 
     fn place(&self, layout: &Layout<1>, world: &mut World) {
-        world.place(self.block, layout.objects[0]);
+        self.0.place(&layout.objects, world);
     }
 
     fn objects(&self, _: &Layout<1>, world: &World) -> [Position; 1] {
-        [world.motion(self.block).position]
+        self.0.positions(world)
     }
 
     fn observe(&self, _: &Layout<1>, world: &World, out: &mut impl Sink) {
-        gripper_and_object(&world.grip(), &world.motion(self.block), out);
+        let [block] = self.0.motions(world);
+        gripper_and_object(&world.grip(), &block, out);
     }
 }
