@@ -55,7 +55,8 @@ impl EnvVisitor for Contract {
 fn check_frame<const N: usize>(task: Task, achieved: Achieved<N>, observation: &[f32]) {
     assert!(achieved.0.is_finite(), "{task}");
     assert!(observation.iter().all(|x| x.is_finite()), "{task}");
-    assert_eq!(observation[..3], *achieved.0.gripper.coords.as_slice(), "{task}");
+    let gripper = achieved.0.gripper.coords;
+    assert!(observation.windows(3).any(|seen| seen == gripper.as_slice()), "{task}");
     if observation.len() == 25 {
         let object = achieved.0.objects[0];
         assert_eq!(observation[3..6], *object.coords.as_slice(), "{task}");
@@ -92,15 +93,24 @@ fn names_lead_to_tasks_and_unknown_ones_to_the_list() {
         assert_eq!(task.to_string().parse(), Ok(*task));
     }
     let error = "pushh".parse::<Task>().unwrap_err().to_string();
-    assert!(error.contains("pushh") && error.contains("reach, push, pick"), "{error}");
+    assert!(error.contains("pushh") && error.contains("reach, push, pick, dpush"), "{error}");
 }
 
 /// The share of Fetch episodes that begin solved, as computed from their geometry.
 #[test]
 fn as_many_episodes_begin_solved_as_in_fetch() {
-    for (task, expected) in [(Task::Reach, 0.0194), (Task::Push, 0.069), (Task::Pick, 0.037)] {
+    let expected: [(Task, f32); 5] = [
+        (Task::Reach, 0.0194),
+        (Task::Push, 0.069),
+        (Task::Pick, 0.037),
+        (Task::DPush, 0.018),
+        (Task::TPush, 0.005),
+    ];
+    for (task, expected) in expected {
         let share = task.visit(BeginSolved);
-        assert!((share - expected).abs() < 0.008, "{task}: {share}");
+        let sampling_error = (expected * (1.0 - expected) / 10_000.0).sqrt();
+        println!("{task}: {share} of the episodes begin solved");
+        assert!((share - expected).abs() < 4.0 * sampling_error, "{task}: {share}");
     }
 }
 
@@ -123,10 +133,11 @@ impl EnvVisitor for BeginSolved {
 
 #[test]
 fn doing_nothing_and_random_actions_seldom_succeed() {
-    for (task, most) in [(Task::Push, 0.2), (Task::Pick, 0.2)] {
+    for task in Task::ALL.iter().filter(|task| **task != Task::Reach) {
         let still = task.visit(Succeed { random: false });
         let random = task.visit(Succeed { random: true });
-        assert!(still < 0.12 && random < most, "{task}: still {still}, random {random}");
+        println!("{task}: solved by doing nothing {still}, at random {random}");
+        assert!(still < 0.12 && random < 0.2, "{task}: still {still}, random {random}");
     }
 }
 

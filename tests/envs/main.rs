@@ -1,6 +1,7 @@
 //! The simulated tasks, against their contract, their physics and recordings of the real ones.
 
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+#![expect(clippy::print_stdout, reason = "the figures in docs/, which `--nocapture` shows")]
 
 mod contract;
 mod determinism;

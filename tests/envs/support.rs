@@ -17,11 +17,11 @@ pub(crate) const BLOCK_HEIGHT: f32 = 0.42489;
 /// From the grip centre down to the fingertips, in metres.
 pub(crate) const FINGERTIP: f32 = 0.0195;
 
-/// An environment with one object and where it stands.
-pub(crate) struct Stand<E> {
+/// An environment and where its objects stand.
+pub(crate) struct Stand<E, const N: usize = 1> {
     pub(crate) env: E,
     pub(crate) observation: Vec<f32>,
-    pub(crate) scene: Scene<1>,
+    pub(crate) scene: Scene<N>,
 }
 
 pub(crate) fn push() -> Stand<Simulation<Push, 1>> {
@@ -32,7 +32,7 @@ pub(crate) fn pick() -> Stand<Simulation<Pick, 1>> {
     Stand::new(Simulation::new())
 }
 
-impl<E: Simulated<1>> Stand<E> {
+impl<E: Simulated<N>, const N: usize> Stand<E, N> {
     pub(crate) fn new(env: E) -> Self {
         let observation = vec![0.0; env.spec().observation];
         let mut stand = Self { env, observation, scene: nowhere() };
@@ -40,20 +40,19 @@ impl<E: Simulated<1>> Stand<E> {
         stand
     }
 
-    pub(crate) fn reset(&mut self, seed: u64) -> Desired<1> {
+    pub(crate) fn reset(&mut self, seed: u64) -> Desired<N> {
         let start = self.env.reset(seed, &mut self.observation).unwrap();
         self.begin(start)
     }
 
-    /// Puts the block at a place on the table.
-    pub(crate) fn put(&mut self, x: f32, y: f32) {
-        let object = Position::new(x, y, BLOCK_HEIGHT);
-        let layout = Layout { objects: [object], targets: [object] };
+    /// Puts the objects somewhere.
+    pub(crate) fn arrange(&mut self, objects: [Position; N]) {
+        let layout = Layout { objects, targets: objects };
         let start = self.env.arrange(layout, &mut self.observation).unwrap();
         self.begin(start);
     }
 
-    fn begin(&mut self, start: Start<1>) -> Desired<1> {
+    fn begin(&mut self, start: Start<N>) -> Desired<N> {
         self.scene = start.achieved.0;
         start.desired
     }
@@ -76,6 +75,13 @@ impl<E: Simulated<1>> Stand<E> {
             }
             self.step(towards(place, self.scene.gripper, fingers));
         }
+    }
+}
+
+impl<E: Simulated<1>> Stand<E> {
+    /// Puts the block at a place on the table.
+    pub(crate) fn put(&mut self, x: f32, y: f32) {
+        self.arrange([Position::new(x, y, BLOCK_HEIGHT)]);
     }
 
     pub(crate) fn block(&self) -> Position {
@@ -108,6 +114,6 @@ pub(crate) fn random_action(rng: &mut ChaCha8Rng) -> [f32; ACTION_WIDTH] {
     std::array::from_fn(|_| rng.random_range(-1.0..1.0))
 }
 
-fn nowhere() -> Scene<1> {
-    Scene { gripper: Position::origin(), objects: [Position::origin()] }
+fn nowhere<const N: usize>() -> Scene<N> {
+    Scene { gripper: Position::origin(), objects: [Position::origin(); N] }
 }

@@ -59,7 +59,7 @@ pub(crate) fn resolve(task: Task, args: &SettingsArgs) -> Result<TrainConfig, Se
 fn recipe(task: Task) -> Option<&'static str> {
     match task {
         Task::Reach => Some(include_str!("../../../recipes/reach.toml")),
-        Task::Push | Task::Pick => None,
+        _ => None,
     }
 }
 

@@ -34,12 +34,69 @@ pub(crate) fn gripper_and_object(grip: &Grip, object: &Motion, out: &mut impl Si
     grip_velocity(grip, out);
 }
 
+/// Writes the 43 numbers of the authors' `FetchDoublePush` and `FetchStack`.
+///
+/// Gripper (3), finger openings (2), 15 for each object ([`object_from_gripper`]), the gripper's
+/// velocity (3), the fingers' (2), first − second object (3).
+pub(crate) fn gripper_and_two_objects(grip: &Grip, objects: &[Motion; 2], out: &mut impl Sink) {
+    out.position(grip.position);
+    out.fingers(grip.opening);
+    for object in objects {
+        object_from_gripper(grip, object, out);
+    }
+    grip_velocity(grip, out);
+    out.vector(objects[0].position - objects[1].position);
+}
+
+/// Writes the 69 numbers of the authors' `FetchThreePush`.
+///
+/// Gripper (3), finger openings (2), 15 for each of the first two objects
+/// ([`object_from_gripper`]), the gripper's velocity (3), the fingers' (2), 15 for the third object,
+/// first − second, second − third, first − third object (9), and both velocities again (5).
+pub(crate) fn gripper_and_three_objects(grip: &Grip, objects: &[Motion; 3], out: &mut impl Sink) {
+    let [a, b, c] = objects;
+    out.position(grip.position);
+    out.fingers(grip.opening);
+    object_from_gripper(grip, a, out);
+    object_from_gripper(grip, b, out);
+    grip_velocity(grip, out);
+    object_from_gripper(grip, c, out);
+    for (one, other) in [(a, b), (b, c), (a, c)] {
+        out.vector(one.position - other.position);
+    }
+    grip_velocity(grip, out);
+}
+
+/// Writes the 55 numbers of the authors' `FetchThreeStack`.
+///
+/// Finger openings (2), object − gripper (3) and [`turn_and_velocity`] (9) of each object, the
+/// gripper's velocity (3), the fingers' (2), gripper (3), the objects (9).
+pub(crate) fn gripper_and_stack(grip: &Grip, objects: &[Motion; 3], out: &mut impl Sink) {
+    out.fingers(grip.opening);
+    for object in objects {
+        out.vector(object.position - grip.position);
+        turn_and_velocity(grip, object, out);
+    }
+    grip_velocity(grip, out);
+    out.position(grip.position);
+    for object in objects {
+        out.position(object.position);
+    }
+}
+
 /// Writes the 10 numbers of `FetchReach`: gripper (3), finger openings (2), the gripper's velocity
 /// (3), the fingers' (2).
 pub(crate) fn gripper_alone(grip: &Grip, out: &mut impl Sink) {
     out.position(grip.position);
     out.fingers(grip.opening);
     grip_velocity(grip, out);
+}
+
+/// Writes 15 numbers: object (3), object − gripper (3), [`turn_and_velocity`] (9).
+fn object_from_gripper(grip: &Grip, object: &Motion, out: &mut impl Sink) {
+    out.position(object.position);
+    out.vector(object.position - grip.position);
+    turn_and_velocity(grip, object, out);
 }
 
 /// Writes 9 numbers: the Euler angles of an object (3), its velocity relative to the gripper's (3),

@@ -51,6 +51,14 @@ tasks! {
     Push: tasks::Push, 1;
     /// Bring a block to a place on the table or above it.
     Pick: tasks::Pick, 1;
+    /// Push two blocks, each to its place on the table.
+    DPush: tasks::DPush, 2;
+    /// Bring a block to a place on the table, and another on top of it.
+    Stack: tasks::Stack, 2;
+    /// Push three blocks, each to its place on the table.
+    TPush: tasks::TPush, 3;
+    /// Bring a block to a place on the table, and two more on top of it.
+    TStack: tasks::TStack, 3;
 }
 
 impl fmt::Display for Task {

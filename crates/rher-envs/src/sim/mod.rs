@@ -6,6 +6,7 @@ mod gripper;
 mod scenery;
 
 pub(crate) use gripper::{Fingers, Grip};
+pub(crate) use scenery::BLOCK_EDGE;
 
 use gripper::Gripper;
 use nalgebra::{Point3, Quaternion, UnitQuaternion, Vector3};

@@ -1,6 +1,6 @@
 //! What the tasks with blocks on the table share.
 
-use crate::sim::{Body, Fingers, Motion, World};
+use crate::sim::{BLOCK_EDGE, Body, Fingers, Motion, World};
 use crate::simulation::MIDDLE;
 use rand::{Rng, RngExt as _};
 use rher_core::goal::Position;
@@ -68,7 +68,32 @@ pub(super) fn draw_places<const N: usize>(
     }
 }
 
+/// Places for blocks on top of each other, the lowest at `foot`.
+pub(super) fn stacked_on<const N: usize>(foot: Position) -> [Position; N] {
+    let mut next = foot;
+    array::from_fn(|_| {
+        let place = next;
+        next.z += BLOCK_EDGE;
+        place
+    })
+}
+
 /// Whether none of the places is so near to `home` that a block there could touch the gripper.
 pub(super) fn are_clear_of(home: Position, places: &[Position]) -> bool {
     places.iter().all(|place| (place - home).xy().norm() >= CLEARANCE)
+}
+
+/// Whether every two places are at least `distance` metres from each other.
+pub(super) fn are_apart(distance: f32, places: &[Position]) -> bool {
+    every_two(places).all(|(a, b)| (a - b).xy().norm() >= distance)
+}
+
+/// Whether blocks in these places would be partly inside one another.
+pub(super) fn overlap(places: &[Position]) -> bool {
+    every_two(places).any(|(a, b)| (a - b).xy().amax() < BLOCK_EDGE)
+}
+
+/// Every pair of two places.
+fn every_two(places: &[Position]) -> impl Iterator<Item = (&Position, &Position)> {
+    places.iter().enumerate().flat_map(|(i, a)| places[..i].iter().map(move |b| (a, b)))
 }
