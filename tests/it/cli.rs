@@ -456,13 +456,17 @@ fn a_full_disk_is_told_and_the_checkpoint_kept() {
 }
 
 #[test]
-fn a_loss_that_is_no_number_ends_the_run() {
+fn a_gradient_that_is_no_number_ends_the_run_and_its_state_is_kept() {
     let rher = Rher::new();
     let ran = rher.run(&format!(
         "train push --quiet --env-steps 5000 {TINY} --set agent.critic_learning_rate=1e38 --out run"
     ));
     assert_eq!(ran.status, Some(10), "{ran}");
-    assert!(ran.stderr.contains("is not finite"), "{ran}");
+    insta::assert_snapshot!(ran.stderr, @r"
+    error: update 1, after 50 environment steps, diverged; its batch has seed 1, count 1: the gradient of critic 1 is not finite, first in `layers.2.bias`
+
+    hint: the state before it is saved; smaller `agent.actor_learning_rate` and `agent.critic_learning_rate` help against divergence
+    ");
     rher.ok("eval run --episodes 2");
 }
 
@@ -486,6 +490,15 @@ fn speed_is_measured_for_programs_too() {
     assert_eq!(updates.as_array().unwrap().len(), 1);
     assert_eq!(
         keys(&updates[0]),
-        ["batch", "engine", "gflops", "inputs", "ms_per_update", "threads"]
+        [
+            "batch",
+            "cpu_ms_per_update",
+            "engine",
+            "gflops",
+            "inputs",
+            "ms_per_update",
+            "peak_gflops",
+            "threads"
+        ]
     );
 }

@@ -122,7 +122,7 @@ impl Report {
             TrainError::Evaluate { source, .. } => Self::of_evaluate(source),
             TrainError::NotFinite { .. } => Some(Self::new(
                 Status::NotFinite,
-                "the last checkpoint is good; smaller `agent.actor_learning_rate` and \
+                "the state before it is saved; smaller `agent.actor_learning_rate` and \
                  `agent.critic_learning_rate` help against divergence",
             )),
             TrainError::Config(_) => Some(Self { status: Status::Usage, hint: None }),

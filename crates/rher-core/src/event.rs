@@ -85,9 +85,11 @@ pub struct Acted {
 /// Seconds of the wall clock so far, by what they were spent on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Seconds {
-    /// Stepping environments and acting in them.
-    pub rollout: f64,
-    /// Drawing and relabelling batches.
+    /// Stepping environments in training.
+    pub environment: f64,
+    /// Choosing actions in training.
+    pub inference: f64,
+    /// Storing episodes, and drawing and relabelling batches of them.
     pub relabel: f64,
     /// Updating the networks.
     pub update: f64,

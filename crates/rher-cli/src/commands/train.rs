@@ -181,10 +181,11 @@ fn summary(finish: Finish, progress: Progress, last: Option<&Metrics>, folder: &
 }
 
 fn shares(time: &Seconds) -> String {
-    let Seconds { rollout, relabel, update, evaluate, save } = *time;
-    let total = rollout + relabel + update + evaluate + save;
+    let Seconds { environment, inference, relabel, update, evaluate, save } = *time;
+    let total = environment + inference + relabel + update + evaluate + save;
     let parts = [
-        ("rollout", rollout),
+        ("environment", environment),
+        ("inference", inference),
         ("relabel", relabel),
         ("update", update),
         ("evaluate", evaluate),

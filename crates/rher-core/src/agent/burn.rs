@@ -2,7 +2,7 @@
 
 use super::adam::squared_norm;
 use super::config::{AgentConfig, TargetEvery};
-use super::learner::{Engine, LearnerState, Losses, NORM_EPSILON, Trained};
+use super::learner::{Engine, LearnerState, Losses, NORM_EPSILON, NotFinite, Trained};
 use super::network::{self, Shape};
 use crate::batch::Batch;
 use burn::backend::{Autodiff, NdArray};
@@ -51,7 +51,11 @@ impl<B: AutodiffBackend> AutodiffEngine<B> {
     }
 
     /// The critics' Adam step.
-    fn train_critics(&mut self, batch: &Batch, returns: Tensor<B::InnerBackend, 2>) -> Losses {
+    fn train_critics(
+        &mut self,
+        batch: &Batch,
+        returns: Tensor<B::InnerBackend, 2>,
+    ) -> Result<Losses, NotFinite> {
         let rows = batch.rows();
         let inputs = matrix(batch.inputs.clone(), rows, &self.device);
         let actions = matrix(batch.actions.clone(), rows, &self.device);
@@ -59,7 +63,8 @@ impl<B: AutodiffBackend> AutodiffEngine<B> {
         let returns = Tensor::from_inner(returns);
         let mut losses = Losses::default();
         let mut squares = 0.0;
-        for (index, critic) in self.state.critics.iter_mut().enumerate() {
+        let mut gradients = Vec::with_capacity(self.state.critics.len());
+        for (index, critic) in self.state.critics.iter().enumerate() {
             let network = Network::new(&critic.shape, &critic.online, &self.device);
             let values = network.forward(inputs.clone());
             if index == 0 {
@@ -70,17 +75,21 @@ impl<B: AutodiffBackend> AutodiffEngine<B> {
             }
             let errors = values - returns.clone();
             let loss = (errors.clone() * errors).mean();
-            let gradient = network.gradient(&loss);
+            let gradient =
+                network.gradient(&loss, &format!("critic {}", index + 1), &critic.shape)?;
             losses.critic += number(loss);
             squares += squared_norm(&gradient);
-            critic.descend(&gradient, self.config.critic_learning_rate);
+            gradients.push(gradient);
+        }
+        for (critic, gradient) in self.state.critics.iter_mut().zip(&gradients) {
+            critic.descend(gradient, self.config.critic_learning_rate);
         }
         losses.critic_gradient = squares.sqrt();
-        losses
+        Ok(losses)
     }
 
     /// The actor's Adam step; gives its loss and the norm of its gradient.
-    fn train_actor(&mut self, batch: &Batch) -> (f32, f32) {
+    fn train_actor(&mut self, batch: &Batch) -> Result<(f32, f32), NotFinite> {
         let critic = &self.state.critics[0];
         let critic = Network::<B>::new(&critic.shape, &critic.online, &self.device).no_grad();
         let actor = &mut self.state.actor;
@@ -90,26 +99,26 @@ impl<B: AutodiffBackend> AutodiffEngine<B> {
         let effort = (actions.clone() * actions.clone()).mean();
         let value = critic.forward(Tensor::cat(vec![inputs, actions], 1)).mean();
         let loss = effort * self.config.action_l2 - value;
-        let gradient = network.gradient(&loss);
+        let gradient = network.gradient(&loss, "the actor", &actor.shape)?;
         actor.descend(&gradient, self.config.actor_learning_rate);
-        (number(loss), squared_norm(&gradient).sqrt())
+        Ok((number(loss), squared_norm(&gradient).sqrt()))
     }
 }
 
 impl<B: AutodiffBackend> Engine for AutodiffEngine<B> {
-    fn update(&mut self, batch: &Batch, noise: &[f32]) -> Losses {
+    fn update(&mut self, batch: &Batch, noise: &[f32]) -> Result<Losses, NotFinite> {
         let returns = self.bellman(batch, noise);
-        let mut losses = self.train_critics(batch, returns);
+        let mut losses = self.train_critics(batch, returns)?;
         self.state.updates += 1;
         if self.state.updates.is_multiple_of(self.config.policy_delay) {
-            let (loss, gradient) = self.train_actor(batch);
+            let (loss, gradient) = self.train_actor(batch)?;
             losses.actor = Some(loss);
             losses.actor_gradient = Some(gradient);
             if self.config.target_every == TargetEvery::Update {
                 self.move_targets();
             }
         }
-        losses
+        Ok(losses)
     }
 
     fn move_targets(&mut self) {
@@ -158,12 +167,17 @@ impl<B: Backend> Network<B> {
 }
 
 impl<B: AutodiffBackend> Network<B> {
-    /// The slope of `loss` in every parameter, in the flat layout.
-    fn gradient(&self, loss: &Tensor<B, 1>) -> Vec<f32> {
+    /// The slope of `loss` in every parameter, in the flat layout of `shape`.
+    fn gradient(
+        &self,
+        loss: &Tensor<B, 1>,
+        name: &str,
+        shape: &Shape,
+    ) -> Result<Vec<f32>, NotFinite> {
         let mut gather =
             Gather::<B> { slopes: loss.backward(), flat: Vec::with_capacity(self.num_params()) };
         self.visit(&mut gather);
-        gather.flat
+        NotFinite::find(name, shape, &gather.flat).map_or(Ok(gather.flat), Err)
     }
 }
 
@@ -249,6 +263,11 @@ mod tests {
     #[test]
     fn a_copy_of_the_state_goes_on_alike() {
         contract::a_copy_of_the_state_goes_on_alike(BurnEngine::from_state);
+    }
+
+    #[test]
+    fn a_gradient_that_is_none_is_located_and_moves_nothing() {
+        contract::a_gradient_that_is_none_is_located_and_moves_nothing(BurnEngine::from_state);
     }
 
     #[test]

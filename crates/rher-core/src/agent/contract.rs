@@ -79,12 +79,12 @@ fn one_update_agrees<E: Engine>(build: Build<E>, config: &AgentConfig) {
     let mut engine = build(config, learner(config, &mut rng));
     for _ in 1..config.policy_delay {
         let actor = engine.state().actor;
-        let losses = engine.update(&batch, &noise);
+        let losses = engine.update(&batch, &noise).expect("finite");
         assert_eq!((losses.actor, losses.actor_gradient), (None, None));
         assert_eq!(engine.state().actor, actor);
     }
     let before = engine.state();
-    let losses = engine.update(&batch, &noise);
+    let losses = engine.update(&batch, &noise).expect("finite");
     let after = engine.state();
     assert_eq!(after.updates, config.policy_delay);
 
@@ -177,8 +177,9 @@ pub(super) fn a_copy_of_the_state_goes_on_alike<E: Engine>(build: Build<E>) {
         assert_eq!(first.state(), start);
         let mut update = |engines: &mut [&mut E]| {
             let (batch, noise) = transitions(33, &mut rng);
-            let losses: Vec<_> = engines.iter_mut().map(|e| e.update(&batch, &noise)).collect();
-            assert!(losses.iter().all(|each| *each == losses[0] && each.is_finite()));
+            let losses: Vec<_> =
+                engines.iter_mut().map(|e| e.update(&batch, &noise).expect("finite")).collect();
+            assert!(losses.iter().all(|each| *each == losses[0]));
         };
         (0..3).for_each(|_| update(&mut [&mut first]));
         let mut second = build(&config, first.state());
@@ -201,12 +202,12 @@ fn trained<E: Engine>(build: Build<E>, reward: impl Fn(&[f32]) -> f32) -> (f32, 
     batch.rewards = batch.actions.chunks(ACTION).map(reward).collect();
     let mut engine = build(&config, LearnerState::new(&config, INPUT, ACTION, &mut rng));
     for _ in 0..1500 {
-        engine.update(&batch, &noise);
+        engine.update(&batch, &noise).expect("finite");
     }
     let mut actions = [0.0; ACTION];
     let shape = engine.state().actor.shape;
     Inference::new(&shape).act(engine.actor(), &[0.5; INPUT], &mut actions);
-    (engine.update(&batch, &noise).q_mean, actions[0])
+    (engine.update(&batch, &noise).expect("finite").q_mean, actions[0])
 }
 
 pub(super) fn values_are_the_known_returns<E: Engine>(build: Build<E>) {
@@ -220,6 +221,33 @@ pub(super) fn values_are_the_known_returns<E: Engine>(build: Build<E>) {
 pub(super) fn the_actor_finds_the_rewarded_action<E: Engine>(build: Build<E>) {
     let (_, action) = trained(build, |actions| -(actions[0] - 0.5).powi(2));
     assert!((action - 0.5).abs() < 0.1, "{action} is not 0.5");
+}
+
+pub(super) fn a_gradient_that_is_none_is_located_and_moves_nothing<E: Engine>(build: Build<E>) {
+    for config in [td3(), ddpg(), AgentConfig { critic_layer_norm: true, ..td3() }] {
+        let mut rng = ChaCha8Rng::seed_from_u64(8);
+        for nonsense in [f32::NAN, f32::INFINITY] {
+            let start = learner(&config, &mut rng);
+            let mut engine = build(&config, start.clone());
+            let (mut batch, noise) = transitions(40, &mut rng);
+            batch.rewards[17] = nonsense;
+            if nonsense.is_infinite() {
+                batch.rewards[17] = 0.0;
+                batch.inputs[17] = nonsense;
+            }
+            let error = engine.update(&batch, &noise).unwrap_err();
+            assert_eq!(error.network, "critic 1");
+            assert_eq!(engine.state(), start);
+        }
+
+        let mut broken = learner(&config, &mut rng);
+        broken.updates = config.policy_delay - 1;
+        broken.actor.online[3] = f32::NAN;
+        let (batch, noise) = transitions(40, &mut rng);
+        let error = build(&config, broken).update(&batch, &noise).unwrap_err();
+        assert_eq!(error.network, "the actor");
+        assert!(error.tensor.starts_with("layers."), "{error}");
+    }
 }
 
 struct Row {

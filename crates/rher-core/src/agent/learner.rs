@@ -98,12 +98,23 @@ pub struct Losses {
     pub actor_gradient: Option<f32>,
 }
 
-impl Losses {
-    /// Whether every number in it is finite.
-    pub fn is_finite(&self) -> bool {
-        [self.critic, self.q_min, self.q_max, self.critic_gradient].iter().all(|x| x.is_finite())
-            && self.actor.is_none_or(f32::is_finite)
-            && self.actor_gradient.is_none_or(f32::is_finite)
+/// A gradient holds NaN or an infinity; the network was not moved along it.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the gradient of {network} is not finite, first in `{tensor}`")]
+pub struct NotFinite {
+    /// Such as `critic 1`.
+    pub network: String,
+    /// Such as `layers.2.weight`: of all such tensors the nearest to the loss.
+    pub tensor: String,
+}
+
+impl NotFinite {
+    /// Where the gradient of a network, in the layout of `shape`, is not finite.
+    pub(super) fn find(network: &str, shape: &Shape, gradient: &[f32]) -> Option<Self> {
+        let mut tensors = shape.tensors().into_iter().rev();
+        let bad =
+            tensors.find(|tensor| gradient[tensor.range.clone()].iter().any(|x| !x.is_finite()));
+        bad.map(|tensor| Self { network: network.to_owned(), tensor: tensor.name })
     }
 }
 
@@ -123,7 +134,12 @@ impl Losses {
 /// of `policy_delay`. The actor's loss uses the critics after their step.
 pub trait Engine: Send {
     /// One update; `noise` holds standard normal draws ε, `[rows, action]`.
-    fn update(&mut self, batch: &Batch, noise: &[f32]) -> Losses;
+    ///
+    /// # Errors
+    ///
+    /// When a gradient is not finite. All critics' gradients are checked before one of them moves;
+    /// when the actor's is at fault, the critics have moved.
+    fn update(&mut self, batch: &Batch, noise: &[f32]) -> Result<Losses, NotFinite>;
 
     /// Moves all target networks by `target_rate`: what ends an episode's updates with
     /// `TargetEvery::Episode`.

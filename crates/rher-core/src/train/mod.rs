@@ -3,7 +3,7 @@
 mod tally;
 
 use crate::agent::config::{AgentConfig, TargetEvery};
-use crate::agent::learner::{Engine, LearnerState, Losses};
+use crate::agent::learner::{Engine, LearnerState, NotFinite};
 use crate::agent::network::Shape;
 use crate::agent::policy::{About, Policy};
 use crate::batch::Batch;
@@ -25,7 +25,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 use tally::{Actors, Tally};
 
 /// Why a run ended.
@@ -77,15 +77,20 @@ pub enum TrainError {
         /// What went wrong.
         source: EvaluateError,
     },
-    /// The learner diverged.
-    #[error("update {update} is not finite: {losses:?}; its batch has seed {seed}, count {update}")]
+    /// The learner diverged; the state before the update was saved.
+    #[error(
+        "update {update}, after {env_steps} environment steps, diverged; its batch has seed {seed}, \
+         count {update}"
+    )]
     NotFinite {
-        /// Number of the update.
+        /// Number of the update, which is the count of its batch's random stream.
         update: u64,
+        /// Environment steps before it.
+        env_steps: u64,
         /// Seed of the run.
         seed: u64,
-        /// What the update reported.
-        losses: Losses,
+        /// Which gradient it is.
+        source: NotFinite,
     },
     /// The checkpoint could not be written or read.
     #[error(transparent)]
@@ -309,7 +314,11 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
             }
             let started = Instant::now();
             let episodes = self.explore()?;
-            self.learn(episodes)?;
+            let learned = self.learn(episodes);
+            if matches!(learned, Err(TrainError::NotFinite { .. })) {
+                self.save_to(folder, observer)?;
+            }
+            learned?;
             let due = self.evaluation_is_due(episodes);
             let evaluation = due.then(|| self.evaluate()).transpose()?;
             self.state.wall_s += started.elapsed().as_secs_f64();
@@ -340,10 +349,14 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
                 })
                 .collect::<Result<Vec<_>, _>>()
         })?;
+        let storing = Instant::now();
         let spec = self.envs[0].spec();
         let tolerances = spec.tolerances;
         self.state.env_steps += (count * spec.episode_steps) as u64;
-        for (episode, actors) in played {
+        let (mut acting, mut playing) = (Duration::ZERO, Duration::ZERO);
+        for Played { episode, actors, acting: of_actor, playing: of_all } in played {
+            acting += of_actor;
+            playing += of_all;
             self.state.tally.episode(&episode, actors, about_last(&self.state.about), &tolerances);
             let mut rng = seed.stream(Purpose::Statistics, self.state.episodes);
             let encoder = &mut self.state.encoder;
@@ -351,7 +364,12 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
             self.replay.push(&episode);
             self.state.episodes += 1;
         }
-        self.state.seconds.rollout += started.elapsed().as_secs_f64();
+        // Episodes are played side by side: the wall clock is shared out as their own time is.
+        let inference = acting.div_duration_f64(playing) * (storing - started).as_secs_f64();
+        let seconds = &mut self.state.seconds;
+        seconds.inference += inference;
+        seconds.environment += (storing - started).as_secs_f64() - inference;
+        seconds.relabel += storing.elapsed().as_secs_f64();
         Ok(count as u64)
     }
 
@@ -385,14 +403,13 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
                     noise.fill_with(|| rng.sample(StandardNormal));
                 }
                 let updating = Instant::now();
-                let losses = self.engine.update(batch, noise);
+                let env_steps = self.state.env_steps;
+                let not_finite = |source| TrainError::NotFinite { update, env_steps, seed, source };
+                let losses = self.engine.update(batch, noise).map_err(not_finite)?;
                 self.state.updates += 1;
                 self.state.tally.update(&losses);
                 self.state.seconds.relabel += (updating - drawing).as_secs_f64();
                 self.state.seconds.update += updating.elapsed().as_secs_f64();
-                if !losses.is_finite() {
-                    return Err(TrainError::NotFinite { update, seed, losses });
-                }
             }
         }
         if target_every == TargetEvery::Episode {
@@ -481,6 +498,16 @@ fn about_last<const N: usize>(about: &About) -> Stage<N> {
     Stage::from_index(about.subtasks - 1).unwrap_or(Stage::FIRST)
 }
 
+/// A training episode and what it took.
+struct Played<const N: usize> {
+    episode: Episode<N>,
+    actors: Actors,
+    /// Choosing actions.
+    acting: Duration,
+    /// All of it.
+    playing: Duration,
+}
+
 /// Plays one episode as eq. 10 has it, and counts who acted.
 fn explore_once<const N: usize>(
     env: &mut impl Env<N>,
@@ -488,7 +515,9 @@ fn explore_once<const N: usize>(
     guide: &Guide<N>,
     seed: Seed,
     episode: u64,
-) -> Result<(Episode<N>, Actors), RolloutError> {
+) -> Result<Played<N>, RolloutError> {
+    let started = Instant::now();
+    let mut acting = Duration::ZERO;
     let tolerances = env.spec().tolerances;
     let reach_distance = policy.about().reach_distance;
     let mut rng = seed.stream(Purpose::Exploration, episode);
@@ -496,6 +525,7 @@ fn explore_once<const N: usize>(
     let mut actors = Actors::default();
     let env_seed = seed.episode(Purpose::Environment, episode);
     let episode = rollout(env, env_seed, |view, action| {
+        let asked = Instant::now();
         let stage = Stage::of(view.achieved, view.desired, &tolerances, reach_distance);
         let choice = guide.draw(stage, &mut rng);
         actors.count(choice);
@@ -510,6 +540,7 @@ fn explore_once<const N: usize>(
                 }
             }
         }
+        acting += asked.elapsed();
     })?;
-    Ok((episode, actors))
+    Ok(Played { episode, actors, acting, playing: started.elapsed() })
 }

@@ -15,7 +15,7 @@ mod threads;
 mod work;
 
 use super::config::{AgentConfig, TargetEvery};
-use super::learner::{Engine, LearnerState, Losses};
+use super::learner::{Engine, LearnerState, Losses, NotFinite};
 use crate::batch::Batch;
 use gemm::Gemm;
 use network::Network;
@@ -114,11 +114,15 @@ impl FusedEngine {
             .collect();
     }
 
-    fn update_slices(&mut self, batch: &Batch, noise: &[f32], parallel: bool) -> Losses {
+    fn update_slices(
+        &mut self,
+        batch: &Batch,
+        noise: &[f32],
+        parallel: bool,
+    ) -> Result<Losses, NotFinite> {
         let Self { config, machine, actor, critics, updates, slices, .. } = self;
         let machine = *machine;
-        *updates += 1;
-        let actor_moves = updates.is_multiple_of(config.policy_delay);
+        let actor_moves = (*updates + 1).is_multiple_of(config.policy_delay);
         let targets_move = actor_moves && config.target_every == TargetEvery::Update;
         let target_rate = targets_move.then_some(config.target_rate);
 
@@ -128,6 +132,7 @@ impl FusedEngine {
         // targets   move in the same pass as Adam
         let job = Job { machine, config, actor, critics, batch, noise };
         for_each(parallel, slices, &|_, slice| slice.critics(job));
+        check(slices, actor, critics)?;
 
         let how = Move { learning_rate: config.critic_learning_rate, target_rate, parallel };
         for_each(parallel, critics, &|index, critic| {
@@ -137,14 +142,16 @@ impl FusedEngine {
         if actor_moves {
             let job = Job { machine, config, actor, critics, batch, noise };
             for_each(parallel, slices, &|_, slice| slice.actor(job));
+            check(slices, actor, critics)?;
 
             let how = Move { learning_rate: config.actor_learning_rate, target_rate, parallel };
             actor.step(machine, how, slices.iter().map(|slice| &*slice.actor_gradient));
         }
+        *updates += 1;
 
         let sums = slices.iter().map(|slice| slice.sums).fold(Sums::NONE, Sums::plus);
         let rows = batch.rows() as f64;
-        Losses {
+        Ok(Losses {
             critic: (sums.squared_errors / rows) as f32,
             actor: actor_moves.then(|| {
                 let mean_square = sums.squared_actions / (rows * batch.action as f64);
@@ -156,12 +163,23 @@ impl FusedEngine {
             critic_gradient: critics.iter().map(|critic| critic.squared_norm).sum::<f64>().sqrt()
                 as f32,
             actor_gradient: actor_moves.then(|| actor.squared_norm.sqrt() as f32),
-        }
+        })
     }
 }
 
+/// The first place where the gradients of the last pass are not finite.
+fn check(slices: &[Slice], actor: &Network, critics: &[Network]) -> Result<(), NotFinite> {
+    let Some(slice) = slices.iter().find(|slice| !slice.finite) else { return Ok(()) };
+    let of_critics = critics.iter().zip(&slice.critic_gradients).enumerate();
+    let mut found = of_critics.filter_map(|(index, (critic, gradient))| {
+        NotFinite::find(&format!("critic {}", index + 1), &critic.shape, gradient)
+    });
+    let of_actor = || NotFinite::find("the actor", &actor.shape, &slice.actor_gradient);
+    found.next().or_else(of_actor).map_or(Ok(()), Err)
+}
+
 impl Engine for FusedEngine {
-    fn update(&mut self, batch: &Batch, noise: &[f32]) -> Losses {
+    fn update(&mut self, batch: &Batch, noise: &[f32]) -> Result<Losses, NotFinite> {
         self.cut(batch.rows());
         match self.pool.take() {
             Some(pool) => {

@@ -13,6 +13,16 @@ pub(super) struct Machine {
     pub(super) gemm: Gemm,
 }
 
+impl Machine {
+    /// Whether there is neither NaN nor an infinity in `values`.
+    pub(super) fn all_finite(self, values: &[f32]) -> bool {
+        self.simd.run(
+            #[inline(always)]
+            || kernels::sum(values, |x| x * 0.0) == 0.0,
+        )
+    }
+}
+
 /// Rows of a matrix, one every `stride` numbers.
 #[derive(Clone, Copy)]
 pub(super) struct Rows<'a> {

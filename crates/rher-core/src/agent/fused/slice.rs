@@ -38,6 +38,8 @@ pub(super) struct Slice {
     /// Of each critic's loss over these rows, in the layout of the critics' shape.
     pub(super) critic_gradients: Vec<Buffer>,
     pub(super) sums: Sums,
+    /// Whether the gradients of the last pass are numbers.
+    pub(super) finite: bool,
 }
 
 /// Sums over a slice's rows.
@@ -95,6 +97,7 @@ impl Slice {
                 .map(|critic| Buffer::zeros(critic.online.flat.len()))
                 .collect(),
             sums: Sums::NONE,
+            finite: true,
             rows,
         }
     }
@@ -111,6 +114,7 @@ impl Slice {
         }
         let input = Rows { data: &self.critic_input, stride: batch.input + action };
         self.sums = Sums::NONE;
+        self.finite = true;
         for (index, (critic, gradient)) in
             critics.iter().zip(&mut self.critic_gradients).enumerate()
         {
@@ -128,6 +132,7 @@ impl Slice {
                 }
             }
             critic.backward(machine, input, rows, &self.critic_trace, &mut self.deltas, gradient);
+            self.finite &= machine.all_finite(gradient);
         }
     }
 
@@ -214,6 +219,7 @@ impl Slice {
             &mut self.deltas,
             &mut self.actor_gradient,
         );
+        self.finite &= machine.all_finite(&self.actor_gradient);
     }
 
     /// This slice's rows of `states`.
