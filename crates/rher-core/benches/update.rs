@@ -4,16 +4,16 @@ use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
+use rher_core::agent;
 use rher_core::agent::config::{AgentConfig, EngineKind, Init, TargetEvery};
-use rher_core::agent::fused::FusedEngine;
-use rher_core::agent::learner::{Engine as _, LearnerState};
+use rher_core::agent::learner::LearnerState;
 use rher_core::batch::Batch;
 
 const ACTION: usize = 4;
 
-fn td3() -> AgentConfig {
+fn td3(engine: EngineKind) -> AgentConfig {
     AgentConfig {
-        engine: EngineKind::Fused,
+        engine,
         hidden: vec![256; 3],
         init: Init::FanIn,
         critics: 2,
@@ -41,23 +41,24 @@ fn draw_batch(rows: usize, input: usize, rng: &mut ChaCha8Rng) -> Batch {
 
 fn update(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("update");
-    for threads in [1, 2] {
-        for input in [31, 81] {
-            for rows in [128, 256, 1024, 2048] {
-                let mut rng = ChaCha8Rng::seed_from_u64(0);
-                let config = td3();
-                let state = LearnerState::new(&config, input, ACTION, &mut rng);
-                let mut engine = FusedEngine::from_state(&config, state)
-                    .with_threads(threads)
-                    .expect("threads can be started");
-                let batch = draw_batch(rows, input, &mut rng);
-                let mut noise = vec![0.0; rows * ACTION];
-                noise.fill_with(|| rng.sample(StandardNormal));
-                let name = BenchmarkId::new("fused", format!("{rows}x{input}/{threads}"));
-                group.bench_function(name, |bencher| {
-                    // A mean over updates with and without the actor.
-                    bencher.iter(|| engine.update(&batch, &noise));
-                });
+    for (name, engine) in [("fused", EngineKind::Fused), ("burn", EngineKind::Burn)] {
+        for threads in [1, 2] {
+            for input in [31, 81] {
+                for rows in [128, 256, 1024, 2048] {
+                    let mut rng = ChaCha8Rng::seed_from_u64(0);
+                    let config = td3(engine);
+                    let state = LearnerState::new(&config, input, ACTION, &mut rng);
+                    let mut learner =
+                        agent::engine(&config, state, threads).expect("threads can be started");
+                    let batch = draw_batch(rows, input, &mut rng);
+                    let mut noise = vec![0.0; rows * ACTION];
+                    noise.fill_with(|| rng.sample(StandardNormal));
+                    let id = BenchmarkId::new(name, format!("{rows}x{input}/{threads}"));
+                    group.bench_function(id, |bencher| {
+                        // A mean over updates with and without the actor.
+                        bencher.iter(|| learner.update(&batch, &noise).expect("finite gradients"));
+                    });
+                }
             }
         }
     }
