@@ -1,20 +1,23 @@
-//! `rher bench update`: milliseconds per update of the networks.
+//! `rher bench update`: milliseconds per update of the networks, beside what the machine could do.
 
 use crate::cli::{BenchUpdateArgs, EngineName};
 use crate::commands::{table, text};
+use crate::observe::percent;
 use crate::printer::Printer;
 use clap::ValueEnum as _;
+use cpu_time::ProcessTime;
 use rand::RngExt as _;
 use rand_distr::StandardNormal;
 use rher_core::agent;
 use rher_core::agent::config::AgentConfig;
+use rher_core::agent::fused::{flops, gemm_peak};
 use rher_core::agent::learner::LearnerState;
-use rher_core::agent::network::Shape;
 use rher_core::batch::Batch;
 use rher_core::config::Preset;
 use rher_core::seed::{Purpose, Seed};
 use serde::Serialize;
 use std::num::NonZeroUsize;
+use std::thread;
 use std::time::{Duration, Instant};
 
 const BATCHES: [usize; 4] = [128, 256, 1024, 2048];
@@ -24,6 +27,11 @@ const THREADS: [usize; 2] = [1, 2];
 const ACTION: usize = 4;
 const WARM_UP: Duration = Duration::from_millis(100);
 const MEASURED: Duration = Duration::from_secs(1);
+/// Updates that are timed together: as many with the actor as without.
+const TOGETHER: u32 = 2;
+/// Shape of the products whose speed is the peak, `[rows, width] · [width, width]`: the fused
+/// engine's own for hidden layers of this width.
+const PEAK_SHAPE: (usize, usize) = (256, 256);
 
 /// What is printed of a case.
 #[derive(Serialize)]
@@ -32,9 +40,14 @@ struct UpdateSpeed {
     inputs: usize,
     engine: String,
     threads: usize,
+    /// Median on the wall clock.
     ms_per_update: f64,
-    /// Matrix products alone, forward and backward.
+    /// Mean over the same updates, all threads added up.
+    cpu_ms_per_update: f64,
+    /// Of the matrix products alone, at the median.
     gflops: f64,
+    /// Of the best matrix products that this machine made on as many threads, just before.
+    peak_gflops: f64,
 }
 
 pub(crate) fn bench_update(args: &BenchUpdateArgs, printer: Printer) -> anyhow::Result<()> {
@@ -55,15 +68,28 @@ pub(crate) fn bench_update(args: &BenchUpdateArgs, printer: Printer) -> anyhow::
         return Ok(());
     }
     let mut listing = table();
-    listing.set_header(["engine", "batch", "inputs", "threads", "ms/update", "GFLOP/s"]);
-    for UpdateSpeed { batch, inputs, engine, threads, ms_per_update, gflops } in speeds {
+    listing.set_header([
+        "engine",
+        "batch",
+        "inputs",
+        "threads",
+        "ms/update",
+        "CPU ms",
+        "GFLOP/s",
+        "peak",
+        "share",
+    ]);
+    for speed in speeds {
         listing.add_row([
-            engine,
-            batch.to_string(),
-            inputs.to_string(),
-            threads.to_string(),
-            format!("{ms_per_update:.3}"),
-            format!("{gflops:.1}"),
+            speed.engine,
+            speed.batch.to_string(),
+            speed.inputs.to_string(),
+            speed.threads.to_string(),
+            format!("{:.3}", speed.ms_per_update),
+            format!("{:.3}", speed.cpu_ms_per_update),
+            format!("{:.1}", speed.gflops),
+            format!("{:.1}", speed.peak_gflops),
+            percent(speed.gflops / speed.peak_gflops),
         ]);
     }
     printer.data(&text(&listing))?;
@@ -87,7 +113,6 @@ fn measure(
 ) -> anyhow::Result<UpdateSpeed> {
     let config = AgentConfig { engine: engine.into(), ..Preset::Fast.config("bench", 1).agent };
     let state = LearnerState::new(&config, inputs, ACTION, &mut Seed(0).stream(Purpose::Init, 0));
-    let flops = flops(&config, &state.actor.shape, &state.critics[0].shape, batch);
 
     let mut rng = Seed(0).stream(Purpose::Batch, 0);
     let mut rows = Batch::zeros(batch, inputs, ACTION);
@@ -99,45 +124,43 @@ fn measure(
     noise.fill_with(|| rng.sample(StandardNormal));
 
     let mut learner = agent::engine(&config, state, threads)?;
-    let mut time = |least: Duration| {
+    let mut time = |least: Duration| -> anyhow::Result<Vec<f64>> {
         let started = Instant::now();
-        let mut updates = 0_u32;
+        let mut seconds = Vec::new();
         while started.elapsed() < least {
-            learner.update(&rows, &noise);
-            updates += 1;
+            let updating = Instant::now();
+            for _ in 0..TOGETHER {
+                learner.update(&rows, &noise)?;
+            }
+            seconds.push(updating.elapsed().as_secs_f64() / f64::from(TOGETHER));
         }
-        started.elapsed().as_secs_f64() / f64::from(updates)
+        Ok(seconds)
     };
-    time(WARM_UP);
-    let seconds_per_update = time(MEASURED);
+    let peak = peak(threads);
+    time(WARM_UP)?;
+    let cpu = ProcessTime::now();
+    let mut seconds = time(MEASURED)?;
+    let cpu = cpu.elapsed().as_secs_f64() / (seconds.len() as f64 * f64::from(TOGETHER));
+    seconds.sort_by(f64::total_cmp);
+    let median = seconds[seconds.len() / 2];
     Ok(UpdateSpeed {
         batch,
         inputs,
         engine: engine.to_possible_value().map_or_else(String::new, |v| v.get_name().to_owned()),
         threads,
-        ms_per_update: 1e3 * seconds_per_update,
-        gflops: flops / seconds_per_update / 1e9,
+        ms_per_update: 1e3 * median,
+        cpu_ms_per_update: 1e3 * cpu,
+        gflops: flops(&config, batch, inputs, ACTION) / median / 1e9,
+        peak_gflops: peak / 1e9,
     })
 }
 
-/// Floating-point operations of the matrix products in one update, two for each multiply-add.
-///
-/// ```text
-/// target actor     forward
-/// target critics   forward
-/// critics          forward, gradients of weights and of layers: three products for each layer
-/// actor            the same, and the first critic forward and back, every `policy_delay` updates
-/// ```
-fn flops(config: &AgentConfig, actor: &Shape, critic: &Shape, batch: usize) -> f64 {
-    let product = |shape: &Shape| {
-        let widths: Vec<usize> = std::iter::once(shape.inputs)
-            .chain(shape.hidden.iter().copied())
-            .chain([shape.outputs])
-            .collect();
-        let weights: usize = widths.windows(2).map(|pair| pair[0] * pair[1]).sum();
-        2.0 * (batch * weights) as f64
-    };
-    let (actor, critic) = (product(actor), product(critic));
-    let critics = config.critics as f64;
-    actor + 4.0 * critics * critic + (3.0 * actor + 2.0 * critic) / config.policy_delay as f64
+/// Floating-point operations per second of matrix products on so many threads at a time.
+fn peak(threads: usize) -> f64 {
+    let (rows, width) = PEAK_SHAPE;
+    thread::scope(|scope| {
+        let probes: Vec<_> =
+            (0..threads).map(|_| scope.spawn(move || gemm_peak(rows, width))).collect();
+        probes.into_iter().filter_map(|probe| probe.join().ok()).sum()
+    })
 }
