@@ -76,10 +76,11 @@ fn run<const N: usize>(
     actions: &[[f32; 4]],
     observation: &mut [f32],
 ) -> Bits {
+    let width = env.spec().action;
     actions
         .iter()
         .map(|action| {
-            let Achieved(scene) = env.step(action, observation).unwrap();
+            let Achieved(scene) = env.step(&action[..width], observation).unwrap();
             let positions = std::iter::once(scene.gripper).chain(scene.objects);
             let coordinates = positions.flat_map(|p| [p.x, p.y, p.z]);
             observation.iter().copied().chain(coordinates).map(f32::to_bits).collect()

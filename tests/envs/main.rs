@@ -5,8 +5,11 @@
 
 mod contract;
 mod determinism;
+mod insert;
 mod mirror;
+mod obstacle_push;
 mod physics;
 mod scripted;
+mod slide;
 mod support;
 mod traces;

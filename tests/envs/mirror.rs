@@ -35,11 +35,11 @@ impl EnvVisitor for Mirrored {
             assert_near(task, &seen, &expected, 1e-5);
             // Held for a few steps each, so that the hand gets somewhere.
             'episode: for _ in 0..5 {
-                let action = random_action(&mut rng);
-                let mut mirrored = [0.0; 4];
-                Reflection::apply(&mirror.action, &action, &mut mirrored);
+                let action = &random_action(&mut rng)[..env.spec().action];
+                let mut mirrored = vec![0.0; action.len()];
+                Reflection::apply(&mirror.action, action, &mut mirrored);
                 for _ in 0..5 {
-                    let Achieved(here) = env.step(&action, &mut observation).unwrap();
+                    let Achieved(here) = env.step(action, &mut observation).unwrap();
                     image.step(&mirrored, &mut seen).unwrap();
                     // Contacts are solved in an order that has no mirror image.
                     if touched(&here, &start.achieved.0) {
@@ -54,7 +54,9 @@ impl EnvVisitor for Mirrored {
 }
 
 fn touched<const N: usize>(now: &Scene<N>, start: &Scene<N>) -> bool {
-    now.objects.iter().zip(&start.objects).any(|(now, start)| (now - start).norm() > 1e-4)
+    let near = |object: &Position| (object - now.gripper).norm() < 0.06;
+    let moved = |now: &Position, start: &Position| (now - start).norm() > 1e-4;
+    now.objects.iter().zip(&start.objects).any(|(now, start)| near(now) || moved(now, start))
 }
 
 fn mirrored_layout<const N: usize>(
@@ -62,10 +64,7 @@ fn mirrored_layout<const N: usize>(
     achieved: Achieved<N>,
     targets: &[Position; N],
 ) -> Layout<N> {
-    Layout {
-        objects: achieved.0.objects.map(|p| mirror.position(p)),
-        targets: targets.map(|p| mirror.position(p)),
-    }
+    Layout::new(achieved.0.objects.map(|p| mirror.position(p)), targets.map(|p| mirror.position(p)))
 }
 
 fn assert_near(task: Task, seen: &[f32], expected: &[f32], tolerance: f32) {

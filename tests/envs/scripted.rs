@@ -1,15 +1,14 @@
 //! Controllers written by hand solve the tasks.
 
-use crate::support::{Stand, is_met, pick, push, towards};
-use nalgebra::Vector3;
-use rher_core::goal::{Achieved, Position};
+use crate::support::{Stand, at_height, flat, pick, push, solved, towards};
+use rher_core::goal::Position;
 use rher_envs::{ACTION_WIDTH, Simulated};
 
 /// Height of the grip centre at which closed fingers push a block, in metres.
-const PUSH_HEIGHT: f32 = 0.425;
+pub(crate) const PUSH_HEIGHT: f32 = 0.425;
 
 /// Height at which the hand passes over a block, in metres.
-const PASS_HEIGHT: f32 = 0.5;
+pub(crate) const PASS_HEIGHT: f32 = 0.5;
 
 /// What the fingers do.
 const OPEN: f32 = 1.0;
@@ -30,28 +29,11 @@ fn a_controller_picks_and_places() {
     assert!(solved >= 98, "{solved} of 100");
 }
 
-/// Episodes of 100 whose goal is met at the last step.
-fn solved<E, C>(stand: fn() -> Stand<E>, controller: impl Fn() -> C) -> usize
-where
-    E: Simulated<1>,
-    C: FnMut(&Stand<E>, Position) -> [f32; ACTION_WIDTH],
-{
-    let mut stand = stand();
-    (0..100)
-        .filter(|seed| {
-            let desired = stand.reset(*seed);
-            let mut act = controller();
-            for _ in 0..stand.env.spec().episode_steps {
-                let action = act(&stand, desired.objects()[0]);
-                stand.step(action);
-            }
-            is_met(&stand.env, Achieved(stand.scene), &desired)
-        })
-        .count()
-}
-
 /// Around the block to the side away from the target, down, and on to the target.
-fn push_controller<E: Simulated<1>>(stand: &Stand<E>, target: Position) -> [f32; ACTION_WIDTH] {
+pub(crate) fn push_controller<E: Simulated<1>>(
+    stand: &Stand<E>,
+    target: Position,
+) -> [f32; ACTION_WIDTH] {
     let (hand, block) = (stand.scene.gripper, stand.block());
     let way = flat(target - block);
     if way.norm() < 0.01 {
@@ -104,12 +86,4 @@ fn pick_controller<E: Simulated<1>>(
         return [0.0, 0.0, 0.0, CLOSE];
     }
     towards(hand + (target - block), hand, CLOSE)
-}
-
-fn flat(v: Vector3<f32>) -> Vector3<f32> {
-    Vector3::new(v.x, v.y, 0.0)
-}
-
-fn at_height(p: Position, z: f32) -> Position {
-    Position::new(p.x, p.y, z)
 }

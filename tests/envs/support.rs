@@ -32,6 +32,26 @@ pub(crate) fn pick() -> Stand<Simulation<Pick, 1>> {
     Stand::new(Simulation::new())
 }
 
+/// Episodes of 100 whose goal is met at the last step.
+pub(crate) fn solved<E, C>(stand: fn() -> Stand<E>, controller: impl Fn() -> C) -> usize
+where
+    E: Simulated<1>,
+    C: FnMut(&Stand<E>, Position) -> [f32; ACTION_WIDTH],
+{
+    let mut stand = stand();
+    (0..100)
+        .filter(|seed| {
+            let desired = stand.reset(*seed);
+            let mut act = controller();
+            for _ in 0..stand.env.spec().episode_steps {
+                let action = act(&stand, desired.objects()[0]);
+                stand.step(action);
+            }
+            is_met(&stand.env, Achieved(stand.scene), &desired)
+        })
+        .count()
+}
+
 impl<E: Simulated<N>, const N: usize> Stand<E, N> {
     pub(crate) fn new(env: E) -> Self {
         let observation = vec![0.0; env.spec().observation];
@@ -47,7 +67,7 @@ impl<E: Simulated<N>, const N: usize> Stand<E, N> {
 
     /// Puts the objects somewhere.
     pub(crate) fn arrange(&mut self, objects: [Position; N]) {
-        let layout = Layout { objects, targets: objects };
+        let layout = Layout::new(objects, objects);
         let start = self.env.arrange(layout, &mut self.observation).unwrap();
         self.begin(start);
     }
@@ -98,6 +118,16 @@ impl<E: Simulated<1>> Stand<E> {
 pub(crate) fn towards(place: Position, here: Position, fingers: f32) -> [f32; ACTION_WIDTH] {
     let [x, y, z]: [f32; 3] = ((place - here) * 20.0).into();
     [x, y, z, fingers]
+}
+
+/// Along the table.
+pub(crate) fn flat(v: Vector3<f32>) -> Vector3<f32> {
+    Vector3::new(v.x, v.y, 0.0)
+}
+
+/// The same place at another height.
+pub(crate) fn at_height(p: Position, z: f32) -> Position {
+    Position::new(p.x, p.y, z)
 }
 
 /// Whether the last sub-task is met.

@@ -143,7 +143,7 @@ impl EnvVisitor for Replay {
 fn replay<const N: usize>(env: &mut impl Simulated<N>, recording: &[Row]) -> Replayed {
     let mut observation = vec![0.0; env.spec().observation];
     let first = &recording[0];
-    let layout = Layout { objects: [first.object(); N], targets: [first.target; N] };
+    let layout = Layout::new([first.object(); N], [first.target; N]);
     let mut before = env.arrange(layout, &mut observation).unwrap().achieved;
     let mut hand_errors = Vec::new();
     let mut observation_errors = Vec::new();

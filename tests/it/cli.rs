@@ -14,6 +14,18 @@ fn keys(object: &Value) -> Vec<&str> {
     object.as_object().unwrap().keys().map(String::as_str).collect()
 }
 
+/// The same text without the names of the tasks, which are many.
+fn without_tasks(text: impl ToString) -> String {
+    let text = text.to_string();
+    match text.split_once("[possible values: reach") {
+        Some((before, after)) => {
+            let (_, after) = after.split_once(']').unwrap();
+            format!("{before}[possible values: …]{after}")
+        }
+        None => text,
+    }
+}
+
 #[test]
 fn help_names_the_verbs_and_every_exit_status() {
     assert_snapshot!(Rher::new().ok("--help"), @"
@@ -56,13 +68,13 @@ fn help_names_the_verbs_and_every_exit_status() {
 
 #[test]
 fn training_help_teaches() {
-    assert_snapshot!(Rher::new().ok("train -h"), @"
+    assert_snapshot!(without_tasks(Rher::new().ok("train -h")), @"
     Train a policy, from the beginning or on from a checkpoint
 
     Usage: rher train [OPTIONS] [TASK]
 
     Arguments:
-      [TASK]  What to learn; `rher tasks` says more [possible values: reach, push, pick]
+      [TASK]  What to learn; `rher tasks` says more [possible values: …]
 
     Options:
       -h, --help     Print help (see more with '--help')
@@ -104,7 +116,8 @@ fn tasks_are_listed_for_people_and_for_programs() {
 #[test]
 fn every_configuration_goes_round() {
     let rher = Rher::new();
-    for task in ["reach", "push", "pick"] {
+    for task in json(&rher.ok("tasks --json")).as_array().unwrap() {
+        let task = task["name"].as_str().unwrap();
         for preset in ["fast", "sample-efficient", "paper"] {
             let printed = rher.ok(&format!("config {task} --preset {preset}"));
             rher.write("run.toml", &printed);
@@ -148,19 +161,19 @@ fn a_file_can_name_its_preset() {
 #[test]
 fn unknown_tasks_are_refused_with_the_nearest() {
     let rher = Rher::new();
-    assert_snapshot!(rher.run("train psuh"), @"
+    assert_snapshot!(without_tasks(rher.run("train psuh")), @"
     exit 2
     error: invalid value 'psuh' for '[TASK]'
-      [possible values: reach, push, pick]
+      [possible values: …]
 
       tip: a similar value exists: 'push'
 
     For more information, try '--help'.
     ");
-    assert_snapshot!(rher.run("bench env --task psuh"), @"
+    assert_snapshot!(without_tasks(rher.run("bench env --task psuh")), @"
     exit 2
     error: invalid value 'psuh' for '--task <TASK>'
-      [possible values: reach, push, pick]
+      [possible values: …]
 
       tip: a similar value exists: 'push'
 

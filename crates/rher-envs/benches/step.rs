@@ -7,7 +7,7 @@ use criterion::measurement::{Measurement, ValueFormatter, WallTime};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
-use rher_envs::{ACTION_WIDTH, EnvVisitor, Simulated, Task};
+use rher_envs::{EnvVisitor, Simulated, Task};
 use std::time::Duration;
 
 criterion_group! {
@@ -34,6 +34,7 @@ impl EnvVisitor for Bench<'_> {
     fn visit<const N: usize, E: Simulated<N>>(self, build: fn() -> E) {
         let mut env = build();
         let mut observation = vec![0.0; env.spec().observation];
+        let mut action = vec![0.0; env.spec().action];
         let episode_steps = env.spec().episode_steps;
         let mut rng = ChaCha8Rng::seed_from_u64(1);
 
@@ -46,8 +47,7 @@ impl EnvVisitor for Bench<'_> {
                     env.reset(step as u64, &mut observation).unwrap();
                 }
                 step += 1;
-                let action: [f32; ACTION_WIDTH] =
-                    std::array::from_fn(|_| rng.random_range(-1.0..1.0));
+                action.fill_with(|| rng.random_range(-1.0..1.0));
                 env.step(&action, &mut observation).unwrap()
             });
         });

@@ -141,7 +141,7 @@ fn replay<const N: usize>(
 ) -> Result<Replay, EnvError> {
     let mut observation = vec![0.0; env.spec().observation];
     let (first, last) = (&recording[0], &recording[recording.len() - 1]);
-    let layout = Layout { objects: [first.object; N], targets: [first.target; N] };
+    let layout = Layout::new([first.object; N], [first.target; N]);
     let start = env.arrange(layout, &mut observation)?.achieved;
     let mut before = start;
     let mut hand = Squares::default();

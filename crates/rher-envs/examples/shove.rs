@@ -20,7 +20,7 @@ fn main() -> Result<(), EnvError> {
     for aside in [-0.03, -0.02, -0.01, 0.0, 0.01, 0.02, 0.03] {
         let home = env.reset(0, &mut observation)?.achieved.0.gripper;
         let block = Position::new(home.x - 0.11, home.y + aside, 0.42489);
-        env.arrange(Layout { objects: [block], targets: [block] }, &mut observation)?;
+        env.arrange(Layout::new([block], [block]), &mut observation)?;
         let mut released = block;
         for _ in 0..5 {
             released = env.step(&[-1.0, 0.0, 0.05, 0.0], &mut observation)?.0.objects[0];

@@ -113,6 +113,16 @@ fn grip_velocity(grip: &Grip, out: &mut impl Sink) {
     out.fingers(grip.opening_velocity.map(|v| v * STEP_SECONDS));
 }
 
+/// Writes the 13 numbers of the authors' `FetchInsert`: the fingers' tip (3), the place of the
+/// object (3), finger openings (2), the gripper's velocity (3), the fingers' (2).
+pub(crate) fn tip_and_place(tip: Position, place: Position, grip: &Grip, out: &mut impl Sink) {
+    out.position(tip);
+    out.position(place);
+    out.fingers(grip.opening);
+    out.vector(grip.velocity * STEP_SECONDS);
+    out.fingers(grip.opening_velocity.map(|v| v * STEP_SECONDS));
+}
+
 /// Rotations about x, y and z, each about the axes as turned by those before it, in radians: the
 /// convention of Gymnasium-Robotics.
 fn euler_angles(rotation: &UnitQuaternion<f32>) -> Vector3<f32> {

@@ -6,8 +6,10 @@ use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use rher_core::env::{Env, EnvError, EnvSpec, Mirror, Reflection, Start};
 use rher_core::goal::{Achieved, Desired, Position, Scene, Tolerances};
+use std::marker::PhantomData;
 
-/// Numbers in an action: the hand's displacement along x, y and z, then the fingers' opening.
+/// Numbers in an action of a hand with fingers: its displacement along x, y and z, then their
+/// opening.
 pub const ACTION_WIDTH: usize = 4;
 
 /// The plane y = 0.7491 m through the Fetch robot and its table.
@@ -17,6 +19,9 @@ pub(crate) const MIDDLE: f32 = 0.7491;
 pub trait Scenario<const N: usize>: Sized + Send + 'static {
     /// Name of the task.
     const NAME: &'static str;
+
+    /// Numbers in an action: the first of those of a hand with fingers, the others being 0.
+    const ACTION_WIDTH: usize = ACTION_WIDTH;
 
     /// Steps of every episode.
     const EPISODE_STEPS: usize = 50;
@@ -36,6 +41,11 @@ pub trait Scenario<const N: usize>: Sized + Send + 'static {
     /// Puts the objects of a fresh world in their places.
     fn place(&self, layout: &Layout<N>, world: &mut World);
 
+    /// Where the gripper is now, as observations and goals have it.
+    fn gripper(&self, world: &World) -> Position {
+        world.grip().position
+    }
+
     /// Where the objects are now.
     fn objects(&self, layout: &Layout<N>, world: &World) -> [Position; N];
 
@@ -48,8 +58,18 @@ pub trait Scenario<const N: usize>: Sized + Send + 'static {
 pub struct Layout<const N: usize> {
     /// Where each object starts.
     pub objects: [Position; N],
+    /// How far each object is turned about the vertical, in radians.
+    pub turns: [f32; N],
     /// Where each object should go.
     pub targets: [Position; N],
+}
+
+impl<const N: usize> Layout<N> {
+    /// Objects that are not turned.
+    #[must_use]
+    pub fn new(objects: [Position; N], targets: [Position; N]) -> Self {
+        Self { objects, turns: [0.0; N], targets }
+    }
 }
 
 /// An environment whose whole state can be chosen, kept and returned to.
@@ -76,11 +96,17 @@ pub struct Simulation<S, const N: usize> {
     layout: Layout<N>,
 }
 
-/// The state of a [`Simulation`].
-#[derive(Clone)]
-pub struct State<const N: usize> {
+/// The state of a [`Simulation`]; that of another scenario is another type.
+pub struct State<S, const N: usize> {
     world: sim::State,
     layout: Layout<N>,
+    scenario: PhantomData<fn() -> S>,
+}
+
+impl<S, const N: usize> Clone for State<S, N> {
+    fn clone(&self) -> Self {
+        Self { world: self.world.clone(), layout: self.layout, scenario: PhantomData }
+    }
 }
 
 impl<S: Scenario<N>, const N: usize> Simulation<S, N> {
@@ -97,7 +123,7 @@ impl<S: Scenario<N>, const N: usize> Simulation<S, N> {
         let spec = EnvSpec {
             name: S::NAME.to_owned(),
             observation: observation.len(),
-            action: ACTION_WIDTH,
+            action: S::ACTION_WIDTH,
             episode_steps: S::EPISODE_STEPS,
             subtasks: S::SUBTASKS,
             tolerances: Tolerances::uniform(S::TOLERANCE),
@@ -105,7 +131,7 @@ impl<S: Scenario<N>, const N: usize> Simulation<S, N> {
                 axis: 1,
                 centre: MIDDLE,
                 observation,
-                action: mirrored_action(),
+                action: mirrored_action(S::ACTION_WIDTH),
             }),
         };
         Self { spec, scenario, world, layout }
@@ -114,8 +140,10 @@ impl<S: Scenario<N>, const N: usize> Simulation<S, N> {
     fn observe(&self, observation: &mut [f32]) -> Result<Achieved<N>, EnvError> {
         check_width("observation", self.spec.observation, observation.len())?;
         self.scenario.observe(&self.layout, &self.world, &mut Numbers::new(observation));
-        let gripper = self.world.grip().position;
-        Ok(Achieved(Scene { gripper, objects: self.scenario.objects(&self.layout, &self.world) }))
+        Ok(Achieved(Scene {
+            gripper: self.scenario.gripper(&self.world),
+            objects: self.scenario.objects(&self.layout, &self.world),
+        }))
     }
 }
 
@@ -135,13 +163,13 @@ impl<S: Scenario<N>, const N: usize> Env<N> for Simulation<S, N> {
     }
 
     fn step(&mut self, action: &[f32], observation: &mut [f32]) -> Result<Achieved<N>, EnvError> {
-        self.world.step(checked_action(action)?);
+        self.world.step(checked_action(action, S::ACTION_WIDTH)?);
         self.observe(observation)
     }
 }
 
 impl<S: Scenario<N>, const N: usize> Simulated<N> for Simulation<S, N> {
-    type State = State<N>;
+    type State = State<S, N>;
 
     fn arrange(
         &mut self,
@@ -155,11 +183,11 @@ impl<S: Scenario<N>, const N: usize> Simulated<N> for Simulation<S, N> {
         Ok(Start { achieved, desired: Desired::of_task(layout.targets) })
     }
 
-    fn state(&self) -> State<N> {
-        State { world: self.world.state().clone(), layout: self.layout }
+    fn state(&self) -> State<S, N> {
+        State { world: self.world.state().clone(), layout: self.layout, scenario: PhantomData }
     }
 
-    fn restore(&mut self, state: &State<N>) {
+    fn restore(&mut self, state: &State<S, N>) {
         self.world.restore(&state.world);
         self.layout = state.layout;
     }
@@ -179,8 +207,8 @@ fn draw<S: Scenario<N>, const N: usize>(seed: u64) -> Layout<N> {
 }
 
 /// Every number within [−1, 1].
-fn checked_action(action: &[f32]) -> Result<[f32; ACTION_WIDTH], EnvError> {
-    check_width("action", ACTION_WIDTH, action.len())?;
+fn checked_action(action: &[f32], width: usize) -> Result<[f32; ACTION_WIDTH], EnvError> {
+    check_width("action", width, action.len())?;
     let mut checked = [0.0; ACTION_WIDTH];
     for (index, (out, &value)) in checked.iter_mut().zip(action).enumerate() {
         if value.is_nan() {
@@ -199,9 +227,10 @@ fn check_width(what: &'static str, expected: usize, got: usize) -> Result<(), En
     }
 }
 
-fn mirrored_action() -> Vec<Reflection> {
+fn mirrored_action(width: usize) -> Vec<Reflection> {
     [1.0, -1.0, 1.0, 1.0]
         .into_iter()
+        .take(width)
         .enumerate()
         .map(|(from, sign)| Reflection { from, sign, offset: 0.0 })
         .collect()

@@ -51,6 +51,12 @@ tasks! {
     Push: tasks::Push, 1;
     /// Bring a block to a place on the table or above it.
     Pick: tasks::Pick, 1;
+    /// Hit a puck so that it slides to a place beyond reach.
+    Slide: tasks::Slide, 1;
+    /// Bring the gripper into a hole.
+    Insert: tasks::Insert, 1;
+    /// Push a block to a place on the table, round an obstacle.
+    ObstaclePush: tasks::ObstaclePush, 1;
     /// Push two blocks, each to its place on the table.
     DPush: tasks::DPush, 2;
     /// Bring a block to a place on the table, and another on top of it.

@@ -114,6 +114,8 @@ pub(super) struct Gripper {
     hand: Hand,
     lead: Lead,
     opening: Opening,
+    /// From where the robot stands in `FetchPush` to where it stands.
+    robot: Vector,
 }
 
 /// The bodies that make up the gripper.
@@ -193,14 +195,22 @@ impl Gripper {
             hand,
             lead: Lead { position: centre, velocity: Vector::ZERO, target: centre },
             opening: Opening { position: 0.0, velocity: 0.0, target: 0.0 },
+            robot: Vector::ZERO,
         }
+    }
+
+    /// Moves the robot, by an offset from where it stands in `FetchPush`.
+    pub(super) fn stand_at(&mut self, robot: Vector) {
+        self.robot = robot;
     }
 
     /// Turns an action into targets for the rest of the step.
     pub(super) fn aim(&mut self, action: [f32; 4], bodies: &RigidBodySet) {
         let [x, y, z, opening] = action;
         let (position, velocity) = self.hand.centre(bodies);
-        self.lead.aim(Vector::new(x, y, z) * REACH_PER_STEP, position, velocity);
+        let reach = position - self.robot;
+        let recoil = STRETCHED.at(reach) + FOLDED.at(reach);
+        self.lead.aim(Vector::new(x, y, z) * REACH_PER_STEP + recoil, position, velocity);
         if let Hand::Fingers(fingers, _) = self.hand {
             self.opening.aim(opening, gap(fingers, bodies).0);
         }
@@ -294,7 +304,7 @@ impl Lead {
             (self.position - position).clamp(-Vector::splat(HAND_SLACK), Vector::splat(HAND_SLACK));
         self.position = position + ahead;
         self.velocity = velocity;
-        self.target = self.position + offset + STRETCHED.at(position) + FOLDED.at(position);
+        self.target = self.position + offset;
     }
 
     /// Moves on and returns the mean acceleration.

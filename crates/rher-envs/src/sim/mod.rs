@@ -6,14 +6,14 @@ mod gripper;
 mod scenery;
 
 pub(crate) use gripper::{Fingers, Grip};
-pub(crate) use scenery::BLOCK_EDGE;
+pub(crate) use scenery::{BLOCK_EDGE, OBSTACLE_HALF, PLATE_HEIGHT, PUCK_HEIGHT};
 
 use gripper::Gripper;
-use nalgebra::{Point3, Quaternion, UnitQuaternion, Vector3};
+use nalgebra::{ComplexField, Point3, Quaternion, UnitQuaternion, Vector3};
 use rapier3d::prelude::{
     BroadPhaseBvh, CCDSolver, ColliderSet, FrictionModel, ImpulseJointSet, IntegrationParameters,
-    IslandManager, MultibodyJointSet, NarrowPhase, PhysicsPipeline, RigidBodyHandle, RigidBodySet,
-    SoftBodySet, SpringCoefficients, Vector,
+    IslandManager, MultibodyJointSet, NarrowPhase, PhysicsPipeline, Pose, RigidBodyHandle,
+    RigidBodySet, Rotation, SoftBodySet, SpringCoefficients, Vector,
 };
 use rher_core::goal::Position;
 
@@ -68,7 +68,7 @@ pub(crate) struct State {
     gripper: Gripper,
 }
 
-/// A thing that moves freely in a [`World`].
+/// A thing in a [`World`] that is placed when an episode begins.
 #[derive(Clone, Copy)]
 pub(crate) struct Body(RigidBodyHandle);
 
@@ -96,11 +96,12 @@ impl World {
         let mut bodies = RigidBodySet::new();
         let mut colliders = ColliderSet::new();
         let mut joints = ImpulseJointSet::new();
-        let gripper =
+        let mut gripper =
             Gripper::new(fingers, glam(home.coords), &mut bodies, &mut colliders, &mut joints);
-        let mut scenery = Scenery { bodies, colliders };
+        let mut scenery = Scenery { bodies, colliders, robot: Vector3::zeros() };
         scenery.floor();
         let furniture = furnish(&mut scenery);
+        gripper.stand_at(glam(scenery.robot));
         let initial = State {
             islands: IslandManager::new(),
             broad_phase: BroadPhaseBvh::new(),
@@ -129,9 +130,13 @@ impl World {
         self.state.clone_from(&self.initial);
     }
 
-    /// Moves a body that no step has moved yet.
-    pub(crate) fn place(&mut self, body: Body, position: Position) {
-        self.state.bodies[body.0].set_translation(glam(position.coords), true);
+    /// Moves a body that no step has moved yet, and turns it about the vertical, by radians.
+    pub(crate) fn place(&mut self, body: Body, position: Position, turn: f32) {
+        // nalgebra's, since those of std differ between platforms.
+        let (sine, cosine) = ComplexField::sin_cos(turn / 2.0);
+        let rotation = Rotation::from_xyzw(0.0, 0.0, sine, cosine);
+        let pose = Pose::from_parts(glam(position.coords), rotation);
+        self.state.bodies[body.0].set_position(pose, true);
     }
 
     /// Acts for one environment step: the hand's displacement and the fingers' opening, each in
@@ -200,6 +205,8 @@ impl World {
 pub(crate) struct Scenery {
     bodies: RigidBodySet,
     colliders: ColliderSet,
+    /// From where the robot stands in `FetchPush` to where it stands here, in metres.
+    robot: Vector3<f32>,
 }
 
 fn parameters() -> IntegrationParameters {

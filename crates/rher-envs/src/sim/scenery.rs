@@ -2,14 +2,33 @@
 
 use super::{Body, Scenery, glam};
 use nalgebra::Vector3;
-use rapier3d::prelude::{CoefficientCombineRule, ColliderBuilder, RigidBodyBuilder};
+use rapier3d::prelude::{CoefficientCombineRule, ColliderBuilder, RigidBodyBuilder, Vector};
 use rher_core::goal::Position;
+use std::f32::consts::FRAC_PI_2;
 
 /// Edge of a block, in metres.
 pub(crate) const BLOCK_EDGE: f32 = 0.05;
 
 /// Kilograms.
 const BLOCK_MASS: f32 = 2.0;
+
+/// Metres.
+const PUCK_RADIUS: f32 = 0.025;
+
+/// Metres.
+pub(crate) const PUCK_HEIGHT: f32 = 0.04;
+
+/// Kilograms.
+const PUCK_MASS: f32 = 2.0;
+
+/// Coefficient of friction of the puck and of the table it slides on.
+const SLIPPERY: f32 = 0.1;
+
+/// Half the edges of the obstacle, in metres.
+pub(crate) const OBSTACLE_HALF: [f32; 3] = [0.01, 0.04, 0.025];
+
+/// Metres.
+pub(crate) const PLATE_HEIGHT: f32 = 0.08;
 
 impl Scenery {
     /// The ground on which what leaves the table ends up.
@@ -28,6 +47,65 @@ impl Scenery {
         let body = self.bodies.insert(RigidBodyBuilder::dynamic().can_sleep(false));
         let cube = with_friction(ColliderBuilder::cuboid(half, half, half)).mass(BLOCK_MASS);
         self.colliders.insert_with_parent(cube, body, &mut self.bodies);
+        Body(body)
+    }
+
+    /// Moves the robot from where it stands in `FetchPush`, by metres: its arm reaches elsewhere.
+    pub(crate) fn move_robot(&mut self, offset: Vector3<f32>) {
+        self.robot += offset;
+    }
+
+    /// The table of Slide: its top is 0.4 m high, and slippery.
+    pub(crate) fn slide_table(&mut self) {
+        let top = ColliderBuilder::cuboid(0.625, 0.45, 0.2).friction(SLIPPERY);
+        self.colliders.insert(top.translation(Vector::new(1.3244, 0.7502, 0.2)));
+    }
+
+    /// The table of Insert: its top is 0.36 m high.
+    pub(crate) fn low_table(&mut self) {
+        self.fixed_box(Position::new(1.3, 0.75, 0.18), Vector3::new(0.25, 0.35, 0.18));
+    }
+
+    /// A slippery disc of 5 cm across, 4 cm high, 2 kg.
+    pub(crate) fn puck(&mut self) -> Body {
+        let body = self.bodies.insert(RigidBodyBuilder::dynamic().can_sleep(false));
+        let disc = ColliderBuilder::cylinder(PUCK_HEIGHT / 2.0, PUCK_RADIUS)
+            // The axis of Rapier's cylinders is y.
+            .rotation(Vector::X * FRAC_PI_2)
+            .friction(SLIPPERY)
+            .mass(PUCK_MASS);
+        self.colliders.insert_with_parent(disc, body, &mut self.bodies);
+        Body(body)
+    }
+
+    /// A box that stands in the way: 2 cm thick, 8 cm wide along y, 5 cm high. Nothing moves it.
+    pub(crate) fn obstacle(&mut self) -> Body {
+        let body = self.bodies.insert(RigidBodyBuilder::fixed());
+        let [x, y, z] = OBSTACLE_HALF;
+        let cuboid = with_friction(ColliderBuilder::cuboid(x, y, z));
+        self.colliders.insert_with_parent(cuboid, body, &mut self.bodies);
+        Body(body)
+    }
+
+    /// A plate of 20 by 20 cm, 8 cm high, with a hole of 4 by 4 cm in its middle, which is the
+    /// centre of the body. Nothing moves it.
+    pub(crate) fn plate_with_hole(&mut self) -> Body {
+        const HALF: f32 = 0.1;
+        const HOLE: f32 = 0.02;
+        // Middle and half width of the rim on one side of the hole.
+        const SIDE: f32 = f32::midpoint(HALF, HOLE);
+        const RIM: f32 = (HALF - HOLE) / 2.0;
+        let body = self.bodies.insert(RigidBodyBuilder::fixed());
+        for (x, y, half_x, half_y) in [
+            (-SIDE, 0.0, RIM, HALF),
+            (SIDE, 0.0, RIM, HALF),
+            (0.0, -SIDE, HOLE, RIM),
+            (0.0, SIDE, HOLE, RIM),
+        ] {
+            let wall = with_friction(ColliderBuilder::cuboid(half_x, half_y, PLATE_HEIGHT / 2.0));
+            let wall = wall.translation(Vector::new(x, y, 0.0));
+            self.colliders.insert_with_parent(wall, body, &mut self.bodies);
+        }
         Body(body)
     }
 

@@ -1,7 +1,7 @@
 //! What the tasks with blocks on the table share.
 
 use crate::sim::{BLOCK_EDGE, Body, Fingers, Motion, World};
-use crate::simulation::MIDDLE;
+use crate::simulation::{Layout, MIDDLE};
 use rand::{Rng, RngExt as _};
 use rher_core::goal::Position;
 use std::array;
@@ -32,9 +32,10 @@ impl<const N: usize> Blocks<N> {
     }
 
     /// Puts the blocks of a fresh world in their places.
-    pub(super) fn place(&self, positions: &[Position; N], world: &mut World) {
-        for (block, position) in self.0.iter().zip(positions) {
-            world.place(*block, *position);
+    pub(super) fn place(&self, layout: &Layout<N>, world: &mut World) {
+        for (block, (position, turn)) in self.0.iter().zip(layout.objects.iter().zip(layout.turns))
+        {
+            world.place(*block, *position, turn);
         }
     }
 

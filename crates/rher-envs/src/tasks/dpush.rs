@@ -32,16 +32,16 @@ impl Scenario<2> for DPush {
     }
 
     fn draw(rng: &mut ChaCha8Rng) -> Layout<2> {
-        Layout {
-            objects: draw_places(ON_TABLE, SPREAD, rng, |places| {
+        Layout::new(
+            draw_places(ON_TABLE, SPREAD, rng, |places| {
                 are_clear_of(ON_TABLE, places) && are_apart(BLOCKS_APART, places)
             }),
-            targets: draw_places(ON_TABLE, SPREAD, rng, |places| are_apart(TARGETS_APART, places)),
-        }
+            draw_places(ON_TABLE, SPREAD, rng, |places| are_apart(TARGETS_APART, places)),
+        )
     }
 
     fn place(&self, layout: &Layout<2>, world: &mut World) {
-        self.0.place(&layout.objects, world);
+        self.0.place(layout, world);
     }
 
     fn objects(&self, _: &Layout<2>, world: &World) -> [Position; 2] {

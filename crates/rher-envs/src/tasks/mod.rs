@@ -2,17 +2,23 @@
 
 mod blocks;
 mod dpush;
+mod insert;
+mod obstacle_push;
 mod pick;
 mod push;
 mod reach;
+mod slide;
 mod stack;
 mod tpush;
 mod tstack;
 
 pub use dpush::DPush;
+pub use insert::Insert;
+pub use obstacle_push::ObstaclePush;
 pub use pick::Pick;
 pub use push::Push;
 pub use reach::Reach;
+pub use slide::Slide;
 pub use stack::Stack;
 pub use tpush::TPush;
 pub use tstack::TStack;

@@ -32,12 +32,10 @@ impl Scenario<1> for Pick {
     }
 
     fn draw(rng: &mut ChaCha8Rng) -> Layout<1> {
-        let mut layout = Layout {
-            objects: draw_places(IN_THE_AIR, SPREAD, rng, |places| {
-                are_clear_of(IN_THE_AIR, places)
-            }),
-            targets: draw_places(IN_THE_AIR, SPREAD, rng, |_| true),
-        };
+        let mut layout = Layout::new(
+            draw_places(IN_THE_AIR, SPREAD, rng, |places| are_clear_of(IN_THE_AIR, places)),
+            draw_places(IN_THE_AIR, SPREAD, rng, |_| true),
+        );
         if rng.random_bool(LIFTED) {
             layout.targets[0].z += rng.random_range(0.0..LIFT);
         }
@@ -45,7 +43,7 @@ impl Scenario<1> for Pick {
     }
 
     fn place(&self, layout: &Layout<1>, world: &mut World) {
-        self.0.place(&layout.objects, world);
+        self.0.place(layout, world);
     }
 
     fn objects(&self, _: &Layout<1>, world: &World) -> [Position; 1] {

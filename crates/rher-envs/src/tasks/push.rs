@@ -25,14 +25,14 @@ impl Scenario<1> for Push {
     }
 
     fn draw(rng: &mut ChaCha8Rng) -> Layout<1> {
-        Layout {
-            objects: draw_places(ON_TABLE, SPREAD, rng, |places| are_clear_of(ON_TABLE, places)),
-            targets: draw_places(ON_TABLE, SPREAD, rng, |_| true),
-        }
+        Layout::new(
+            draw_places(ON_TABLE, SPREAD, rng, |places| are_clear_of(ON_TABLE, places)),
+            draw_places(ON_TABLE, SPREAD, rng, |_| true),
+        )
     }
 
     fn place(&self, layout: &Layout<1>, world: &mut World) {
-        self.0.place(&layout.objects, world);
+        self.0.place(layout, world);
     }
 
     fn objects(&self, _: &Layout<1>, world: &World) -> [Position; 1] {

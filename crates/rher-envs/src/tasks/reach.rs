@@ -31,7 +31,7 @@ impl Scenario<1> for Reach {
 
     fn draw(rng: &mut ChaCha8Rng) -> Layout<1> {
         let target = HOME.map(|home| home + rng.random_range(-SPREAD..SPREAD));
-        Layout { objects: [target], targets: [target] }
+        Layout::new([target], [target])
     }
 
     fn place(&self, _: &Layout<1>, _: &mut World) {}

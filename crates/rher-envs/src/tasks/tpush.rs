@@ -30,16 +30,16 @@ impl Scenario<3> for TPush {
     }
 
     fn draw(rng: &mut ChaCha8Rng) -> Layout<3> {
-        Layout {
-            objects: draw_places(ON_TABLE, SPREAD, rng, |places| {
+        Layout::new(
+            draw_places(ON_TABLE, SPREAD, rng, |places| {
                 are_clear_of(ON_TABLE, places) && !overlap(places)
             }),
-            targets: draw_places(ON_TABLE, SPREAD, rng, |places| are_apart(TARGETS_APART, places)),
-        }
+            draw_places(ON_TABLE, SPREAD, rng, |places| are_apart(TARGETS_APART, places)),
+        )
     }
 
     fn place(&self, layout: &Layout<3>, world: &mut World) {
-        self.0.place(&layout.objects, world);
+        self.0.place(layout, world);
     }
 
     fn objects(&self, _: &Layout<3>, world: &World) -> [Position; 3] {

@@ -32,11 +32,11 @@ impl Scenario<3> for TStack {
             are_clear_of(IN_THE_AIR, places) && are_apart(BLOCKS_APART, places)
         });
         let [foot] = draw_places(IN_THE_AIR, SPREAD, rng, |_| true);
-        Layout { objects, targets: stacked_on(foot) }
+        Layout::new(objects, stacked_on(foot))
     }
 
     fn place(&self, layout: &Layout<3>, world: &mut World) {
-        self.0.place(&layout.objects, world);
+        self.0.place(layout, world);
     }
 
     fn objects(&self, _: &Layout<3>, world: &World) -> [Position; 3] {

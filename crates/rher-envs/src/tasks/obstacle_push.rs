@@ -1,0 +1,69 @@
+//! `ObstaclePush`: push a block to a place on the table, round an obstacle.
+
+use super::blocks::{ON_TABLE, are_clear_of, draw_places};
+use crate::observation::{Sink, gripper_and_object};
+use crate::sim::{BLOCK_EDGE, Body, Fingers, OBSTACLE_HALF, World};
+use crate::simulation::{Layout, Scenario};
+use rand_chacha::ChaCha8Rng;
+use rher_core::goal::Position;
+
+/// How far from the gripper block and target are drawn, along x and y, in metres.
+const SPREAD: f32 = 0.15;
+
+/// Push a block to a place on the table, round an obstacle.
+///
+/// `push` with a box that nothing moves halfway between where hand and block start, as in the
+/// authors' `FetchObsPush`; three numbers more in the observation say where. Here the box is in
+/// neither of them: such places are drawn again.
+pub struct ObstaclePush {
+    block: Body,
+    obstacle: Body,
+}
+
+impl Scenario<1> for ObstaclePush {
+    const NAME: &'static str = "obstacle-push";
+
+    fn build() -> (Self, World) {
+        let (world, (block, obstacle)) = World::new(Fingers::Locked, ON_TABLE, |scenery| {
+            scenery.table();
+            (scenery.block(), scenery.obstacle())
+        });
+        (Self { block, obstacle }, world)
+    }
+
+    fn draw(rng: &mut ChaCha8Rng) -> Layout<1> {
+        Layout::new(
+            draw_places(ON_TABLE, SPREAD, rng, |places| {
+                are_clear_of(ON_TABLE, places) && leaves_room(places[0])
+            }),
+            draw_places(ON_TABLE, SPREAD, rng, |_| true),
+        )
+    }
+
+    fn place(&self, layout: &Layout<1>, world: &mut World) {
+        world.place(self.block, layout.objects[0], layout.turns[0]);
+        world.place(self.obstacle, obstacle(layout.objects[0]), 0.0);
+    }
+
+    fn objects(&self, _: &Layout<1>, world: &World) -> [Position; 1] {
+        [world.motion(self.block).position]
+    }
+
+    fn observe(&self, layout: &Layout<1>, world: &World, out: &mut impl Sink) {
+        gripper_and_object(&world.grip(), &world.motion(self.block), out);
+        out.position(obstacle(layout.objects[0]));
+    }
+}
+
+/// Where the obstacle stands for a block that starts at `block`.
+fn obstacle(block: Position) -> Position {
+    let halfway = nalgebra::center(&ON_TABLE, &block);
+    Position::new(halfway.x, halfway.y, 0.4 + OBSTACLE_HALF[2])
+}
+
+/// Whether the obstacle is neither in the hand nor in the block.
+fn leaves_room(block: Position) -> bool {
+    let from_block = obstacle(block) - block;
+    let [x, y, _] = OBSTACLE_HALF.map(|half| half + BLOCK_EDGE / 2.0);
+    from_block.x.abs() > x || from_block.y.abs() > y
+}
