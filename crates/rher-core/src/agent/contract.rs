@@ -235,7 +235,7 @@ pub(super) fn a_gradient_that_is_none_is_located_and_moves_nothing<E: Engine>(bu
                 batch.rewards[17] = 0.0;
                 batch.inputs[17] = nonsense;
             }
-            let error = engine.update(&batch, &noise).unwrap_err();
+            let error = engine.update(&batch, &noise).expect_err("not finite");
             assert_eq!(error.network, "critic 1");
             assert_eq!(engine.state(), start);
         }
@@ -244,7 +244,7 @@ pub(super) fn a_gradient_that_is_none_is_located_and_moves_nothing<E: Engine>(bu
         broken.updates = config.policy_delay - 1;
         broken.actor.online[3] = f32::NAN;
         let (batch, noise) = transitions(40, &mut rng);
-        let error = build(&config, broken).update(&batch, &noise).unwrap_err();
+        let error = build(&config, broken).update(&batch, &noise).expect_err("not finite");
         assert_eq!(error.network, "the actor");
         assert!(error.tensor.starts_with("layers."), "{error}");
     }

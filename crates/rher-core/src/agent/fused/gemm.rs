@@ -32,7 +32,7 @@ pub(super) struct Kernels {
     lanes: usize,
 }
 
-/// One product `out = left · right`.
+/// One product `out = left · right`, or `out += left · right`.
 ///
 /// Columns of `right` and `out` are next to each other; rows of `right` must be readable up to a
 /// whole number of vectors.
@@ -48,6 +48,8 @@ pub(super) struct Product<'a> {
     pub(super) rows: usize,
     pub(super) depth: usize,
     pub(super) columns: usize,
+    /// Whether to add to what is there.
+    pub(super) accumulate: bool,
 }
 
 /// A matrix whose element (row, k) is at `row * row_stride + k * depth_stride`.
@@ -121,7 +123,7 @@ impl Gemm {
         }
     }
 
-    /// Writes the product over its `out`.
+    /// Writes the product over its `out`, or adds it.
     pub(super) fn multiply(self, mut product: Product<'_>) {
         match self {
             Self::Vectors(kernels) => kernels.multiply(product),
@@ -132,7 +134,10 @@ impl Gemm {
 
 impl Kernels {
     fn multiply(self, product: Product<'_>) {
-        let Product { left, right, right_stride, out, out_stride, rows, depth, columns } = product;
+        let Product { left, right, right_stride, out, out_stride, rows, depth, columns, .. } =
+            product;
+        // To the kernels, 0 is to write and 1 is to add.
+        let status = u8::from(product.accumulate);
         if rows == 0 || depth == 0 || columns == 0 {
             return;
         }
@@ -162,9 +167,9 @@ impl Kernels {
                         right_stride.cast_signed(),
                         left.depth_stride.cast_signed(),
                         left.row_stride.cast_signed(),
-                        0.0,
                         1.0,
-                        0,
+                        1.0,
+                        status,
                         false,
                         false,
                         false,

@@ -34,6 +34,34 @@ fn rectify(x: f32) -> f32 {
     if x < 0.0 { 0.0 } else { x }
 }
 
+/// out ← matrix · v.
+#[inline(always)]
+pub(super) fn multiply_vector(matrix: &[f32], stride: usize, vector: &[f32], out: &mut [f32]) {
+    for (row, out) in matrix.chunks(stride).zip(out) {
+        *out = dot(&row[..vector.len()], vector);
+    }
+}
+
+/// sum ← sum + matrixᵀ · v.
+#[inline(always)]
+pub(super) fn add_weighted_rows(matrix: &[f32], stride: usize, weights: &[f32], sum: &mut [f32]) {
+    for (row, w) in matrix.chunks(stride).zip(weights) {
+        for (s, x) in sum.iter_mut().zip(row) {
+            *s += w * x;
+        }
+    }
+}
+
+/// Each row of `out` ← its factor · v.
+#[inline(always)]
+pub(super) fn outer(factors: &[f32], vector: &[f32], out: &mut [f32]) {
+    for (row, factor) in out.chunks_exact_mut(vector.len()).zip(factors) {
+        for (out, x) in row.iter_mut().zip(vector) {
+            *out = factor * x;
+        }
+    }
+}
+
 /// δ ← δ where the activation is positive, else 0.
 #[inline(always)]
 pub(super) fn mask(delta: &mut [f32], activation: &[f32]) {
@@ -42,10 +70,9 @@ pub(super) fn mask(delta: &mut [f32], activation: &[f32]) {
     }
 }
 
-/// [`mask`], and the sum of its rows.
+/// [`mask`], its rows added to `sum`.
 #[inline(always)]
 pub(super) fn mask_and_sum(delta: &mut [f32], activation: &[f32], stride: usize, sum: &mut [f32]) {
-    sum.fill(0.0);
     for (delta, activation) in delta.chunks_exact_mut(stride).zip(activation.chunks_exact(stride)) {
         for ((d, a), s) in delta.iter_mut().zip(activation).zip(&mut *sum) {
             *d = if *a > 0.0 { *d } else { 0.0 };
@@ -54,10 +81,9 @@ pub(super) fn mask_and_sum(delta: &mut [f32], activation: &[f32], stride: usize,
     }
 }
 
-/// The sum of the rows.
+/// Adds the rows to `sum`.
 #[inline(always)]
 pub(super) fn sum_rows(matrix: &[f32], stride: usize, sum: &mut [f32]) {
-    sum.fill(0.0);
     for row in matrix.chunks_exact(stride) {
         for (s, x) in sum.iter_mut().zip(row) {
             *s += x;
@@ -102,10 +128,9 @@ pub(super) fn normalise_and_rectify(
     }
 }
 
-/// The sum of the rows' products, number by number.
+/// Adds the rows' products, number by number, to `sum`.
 #[inline(always)]
 pub(super) fn sum_products(left: &[f32], right: &[f32], stride: usize, sum: &mut [f32]) {
-    sum.fill(0.0);
     for (left, right) in left.chunks_exact(stride).zip(right.chunks_exact(stride)) {
         for ((s, x), y) in sum.iter_mut().zip(left).zip(right) {
             *s += x * y;

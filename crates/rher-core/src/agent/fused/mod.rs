@@ -28,8 +28,8 @@ use threads::for_each;
 
 pub use work::{flops, gemm_peak};
 
-/// Rows of a slice whose activations stay in a core's own cache.
-const SLICE_ROWS: usize = 256;
+/// Rows of a slice from which on there are more slices.
+const SLICE_ROWS: usize = 512;
 /// Rows from which a second slice pays for its share of the gradients.
 const PAIR_ROWS: usize = 128;
 /// Slices at most, for the memory of their gradients.

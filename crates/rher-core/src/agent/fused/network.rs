@@ -1,6 +1,6 @@
 //! The parameters of one trained network, with the copies that the matrix products want.
 
-use super::buffer::{Buffer, LINE, padded};
+use super::buffer::{Buffer, padded};
 use super::kernels;
 use super::simd::Simd;
 use crate::agent::learner::Trained;
@@ -11,6 +11,8 @@ use std::ops::Range;
 #[derive(Clone, Debug)]
 pub(super) struct Dense {
     pub(super) layer: Layer,
+    /// Numbers from one row of the output to the next: whole vectors, but for a single output.
+    pub(super) stride: usize,
     /// In `narrow`, when a row of the weight is no whole number of vectors: `[inputs, stride]`.
     narrow: Option<Range<usize>>,
     /// In `transposed`: `[outputs, padded(rows)]` for the rows of the weight whose input's gradient
@@ -20,11 +22,6 @@ pub(super) struct Dense {
 }
 
 impl Dense {
-    /// Numbers from one row of the output to the next.
-    pub(super) fn stride(&self) -> usize {
-        padded(self.layer.outputs)
-    }
-
     /// Numbers from one row of the transposed weight to the next.
     pub(super) fn transposed_stride(&self) -> usize {
         padded(self.transposed_rows.len())
@@ -59,7 +56,7 @@ impl Parameters {
         for dense in layers {
             let Some(range) = &dense.narrow else { continue };
             let from = self.flat[dense.layer.weight.clone()].chunks_exact(dense.layer.outputs);
-            let to = self.narrow[range.clone()].chunks_exact_mut(dense.stride());
+            let to = self.narrow[range.clone()].chunks_exact_mut(dense.stride);
             for (to, from) in to.zip(from) {
                 to[..from.len()].copy_from_slice(from);
             }
@@ -93,15 +90,23 @@ impl Network {
             .into_iter()
             .enumerate()
             .map(|(index, layer)| {
-                let narrow = (!layer.outputs.is_multiple_of(LINE)).then(|| {
+                let single = index == shape.hidden.len() && layer.outputs == 1;
+                let stride = if single { 1 } else { padded(layer.outputs) };
+                let narrow = (layer.outputs != stride).then(|| {
                     let start = narrow_end;
-                    narrow_end += layer.inputs * padded(layer.outputs);
+                    narrow_end += layer.inputs * stride;
                     start..narrow_end
                 });
                 let rows = if index == 0 { differentiated.clone() } else { 0..layer.inputs };
                 let start = transposed_end;
                 transposed_end += layer.outputs * padded(rows.len());
-                Dense { layer, narrow, transposed: start..transposed_end, transposed_rows: rows }
+                Dense {
+                    layer,
+                    stride,
+                    narrow,
+                    transposed: start..transposed_end,
+                    transposed_rows: rows,
+                }
             })
             .collect();
         let mut network = Self {
@@ -132,6 +137,11 @@ impl Network {
                 || kernels::transpose(from, layer.outputs, to, padded(rows.len())),
             );
         }
+    }
+
+    /// Numbers from one row of the network's output to the next.
+    pub(super) fn output_stride(&self) -> usize {
+        self.layers[self.layers.len() - 1].stride
     }
 
     /// The transposed weight of a layer, `[outputs, wanted inputs]`.

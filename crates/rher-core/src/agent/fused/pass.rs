@@ -23,11 +23,54 @@ impl Machine {
     }
 }
 
+/// A product of some rows and a layer's weight.
+struct Affine<'a> {
+    input: Rows<'a>,
+    /// `[inputs, stride]`.
+    weight: &'a [f32],
+    /// `[rows, stride]`.
+    out: &'a mut [f32],
+    rows: usize,
+    inputs: usize,
+    stride: usize,
+}
+
+impl Machine {
+    fn affine(self, affine: Affine<'_>) {
+        let Affine { input, weight, out, rows, inputs, stride } = affine;
+        if stride == 1 {
+            self.simd.run(
+                #[inline(always)]
+                || kernels::multiply_vector(input.data, input.stride, weight, out),
+            );
+        } else {
+            self.gemm.multiply(Product {
+                left: Left::rows(input.data, input.stride),
+                right: weight,
+                right_stride: stride,
+                out,
+                out_stride: stride,
+                rows,
+                depth: inputs,
+                columns: stride,
+                accumulate: false,
+            });
+        }
+    }
+}
+
 /// Rows of a matrix, one every `stride` numbers.
 #[derive(Clone, Copy)]
 pub(super) struct Rows<'a> {
     pub(super) data: &'a [f32],
     pub(super) stride: usize,
+}
+
+/// Where the gradient of every parameter goes, in the layout of the network's shape.
+pub(super) struct Gradient<'a> {
+    pub(super) values: &'a mut [f32],
+    /// Whether to add to what is there.
+    pub(super) accumulate: bool,
 }
 
 /// What a forward pass leaves for the backward pass.
@@ -53,8 +96,8 @@ impl Trace {
             .map(|dense| {
                 let normalised = if dense.layer.norm.is_some() { rows } else { 0 };
                 LayerTrace {
-                    output: Buffer::zeros(rows * dense.stride()),
-                    normal: Buffer::zeros(normalised * dense.stride()),
+                    output: Buffer::zeros(rows * dense.stride),
+                    normal: Buffer::zeros(normalised * dense.stride),
                     inverse_deviation: Buffer::zeros(normalised),
                 }
             })
@@ -82,7 +125,8 @@ pub(super) struct Deltas {
 
 impl Deltas {
     pub(super) fn new<'a>(layers: impl Iterator<Item = &'a Dense>, rows: usize) -> Self {
-        let length = rows * layers.map(Dense::stride).max().unwrap_or(0);
+        let length = rows
+            * layers.map(|dense| dense.stride.max(dense.transposed_stride())).max().unwrap_or(0);
         Self { current: Buffer::zeros(length), previous: Buffer::zeros(length) }
     }
 
@@ -106,22 +150,20 @@ impl Network {
         for (index, dense) in self.layers.iter().enumerate() {
             let (before, after) = trace.layers.split_at_mut(index);
             let LayerTrace { output, normal, inverse_deviation } = &mut after[0];
-            let (layer, stride) = (&dense.layer, dense.stride());
+            let (layer, stride) = (&dense.layer, dense.stride);
             let input = match before.last() {
-                Some(trace) => {
-                    Rows { data: &trace.output, stride: self.layers[index - 1].stride() }
-                }
+                Some(trace) => Rows { data: &trace.output, stride: self.layers[index - 1].stride },
                 None => input,
             };
-            machine.gemm.multiply(Product {
-                left: Left::rows(input.data, input.stride),
-                right: parameters.weight(dense),
-                right_stride: stride,
-                out: if layer.norm.is_some() { normal } else { output },
-                out_stride: stride,
+            let output = &mut output[..rows * stride];
+            let normal = if layer.norm.is_some() { &mut normal[..rows * stride] } else { normal };
+            machine.affine(Affine {
+                input,
+                weight: parameters.weight(dense),
+                out: if layer.norm.is_some() { &mut *normal } else { &mut *output },
                 rows,
-                depth: layer.inputs,
-                columns: stride,
+                inputs: layer.inputs,
+                stride,
             });
             let bias = &parameters.flat[layer.bias.clone()];
             if let Some((scale, shift)) = &layer.norm {
@@ -156,7 +198,7 @@ impl Network {
         }
     }
 
-    /// Writes the gradient of every parameter, from the gradient of the output in `deltas`.
+    /// Finds the gradient of every parameter, from the gradient of the output in `deltas`.
     pub(super) fn backward(
         &self,
         machine: Machine,
@@ -164,12 +206,17 @@ impl Network {
         rows: usize,
         trace: &Trace,
         deltas: &mut Deltas,
-        gradient: &mut [f32],
+        gradient: Gradient<'_>,
     ) {
+        let Gradient { values, accumulate } = gradient;
         let last = self.layers.len() - 1;
         for (index, dense) in self.layers.iter().enumerate().rev() {
-            let (layer, stride) = (&dense.layer, dense.stride());
-            let (weight, vectors) = gradient[layer.weight.start..].split_at_mut(layer.weight.len());
+            let (layer, stride) = (&dense.layer, dense.stride);
+            let (weight, vectors) = values[layer.weight.start..].split_at_mut(layer.weight.len());
+            if !accumulate {
+                let count = if layer.norm.is_some() { 3 } else { 1 };
+                vectors[..count * layer.outputs].fill(0.0);
+            }
             let (bias, vectors) = vectors.split_at_mut(layer.outputs);
             let delta = &mut deltas.current[..rows * stride];
             if let Some((scale, _)) = &layer.norm {
@@ -205,22 +252,34 @@ impl Network {
                 );
             }
             let input = match index.checked_sub(1) {
-                Some(before) => Rows {
-                    data: &trace.layers[before].output,
-                    stride: self.layers[before].stride(),
-                },
+                Some(before) => {
+                    Rows { data: &trace.layers[before].output, stride: self.layers[before].stride }
+                }
                 None => input,
             };
-            machine.gemm.multiply(Product {
-                left: Left::transposed(input.data, input.stride),
-                right: delta,
-                right_stride: stride,
-                out: weight,
-                out_stride: layer.outputs,
-                rows: layer.inputs,
-                depth: rows,
-                columns: layer.outputs,
-            });
+            if stride == 1 {
+                machine.simd.run(
+                    #[inline(always)]
+                    || {
+                        if !accumulate {
+                            weight.fill(0.0);
+                        }
+                        kernels::add_weighted_rows(input.data, input.stride, delta, weight);
+                    },
+                );
+            } else {
+                machine.gemm.multiply(Product {
+                    left: Left::transposed(input.data, input.stride),
+                    right: delta,
+                    right_stride: stride,
+                    out: weight,
+                    out_stride: layer.outputs,
+                    rows: layer.inputs,
+                    depth: rows,
+                    columns: layer.outputs,
+                    accumulate,
+                });
+            }
             if index > 0 {
                 self.step_back(machine, dense, rows, deltas);
             }
@@ -238,7 +297,7 @@ impl Network {
     ) {
         let last = self.layers.len() - 1;
         for (index, dense) in self.layers.iter().enumerate().rev() {
-            let (layer, stride) = (&dense.layer, dense.stride());
+            let (layer, stride) = (&dense.layer, dense.stride);
             let delta = &mut deltas.current[..rows * stride];
             if index < last {
                 let LayerTrace { output, normal, inverse_deviation } = &trace.layers[index];
@@ -264,21 +323,34 @@ impl Network {
             }
             self.step_back(machine, dense, rows, deltas);
         }
-        input_gradient.copy_from_slice(&deltas.current[..input_gradient.len()]);
+        let wanted = rows * self.layers[0].transposed_stride();
+        input_gradient[..wanted].copy_from_slice(&deltas.current[..wanted]);
     }
 
     /// From the gradient of a layer's affine map to that of its input.
     fn step_back(&self, machine: Machine, dense: &Dense, rows: usize, deltas: &mut Deltas) {
-        machine.gemm.multiply(Product {
-            left: Left::rows(&deltas.current, dense.stride()),
-            right: self.transposed(dense),
-            right_stride: dense.transposed_stride(),
-            out: &mut deltas.previous,
-            out_stride: dense.transposed_stride(),
-            rows,
-            depth: dense.layer.outputs,
-            columns: dense.transposed_stride(),
-        });
+        let (stride, back) = (dense.stride, dense.transposed_stride());
+        let Deltas { current, previous } = deltas;
+        if stride == 1 {
+            let factors = &current[..rows];
+            let out = &mut previous[..rows * back];
+            machine.simd.run(
+                #[inline(always)]
+                || kernels::outer(factors, self.transposed(dense), out),
+            );
+        } else {
+            machine.gemm.multiply(Product {
+                left: Left::rows(current, stride),
+                right: self.transposed(dense),
+                right_stride: back,
+                out: previous,
+                out_stride: back,
+                rows,
+                depth: dense.layer.outputs,
+                columns: back,
+                accumulate: false,
+            });
+        }
         std::mem::swap(&mut deltas.current, &mut deltas.previous);
     }
 }

@@ -5,8 +5,13 @@ use super::gemm::Product;
 /// Rows and columns of a tile: as much as sixteen registers of four numbers hold.
 const TILE: (usize, usize) = (4, 8);
 
-/// Writes the product over its `out`.
+/// Writes the product over its `out`, or adds it.
 pub(super) fn multiply(product: &mut Product<'_>) {
+    if !product.accumulate {
+        for row in product.out.chunks_mut(product.out_stride).take(product.rows) {
+            row[..product.columns].fill(0.0);
+        }
+    }
     let (tile_rows, tile_columns) = TILE;
     for column in (0..product.columns).step_by(tile_columns) {
         for row in (0..product.rows).step_by(tile_rows) {
@@ -32,7 +37,10 @@ fn multiply_tile(product: &mut Product<'_>, row: usize, column: usize) {
         }
     }
     for (index, sums) in tile.iter().enumerate() {
-        product.out[(row + index) * product.out_stride + column..][..TILE.1].copy_from_slice(sums);
+        let out = &mut product.out[(row + index) * product.out_stride + column..][..TILE.1];
+        for (out, sum) in out.iter_mut().zip(sums) {
+            *out += sum;
+        }
     }
 }
 
@@ -43,7 +51,7 @@ fn multiply_edge(product: &mut Product<'_>, row: usize, column: usize) {
             let right = product.right[column..].iter().step_by(product.right_stride);
             let products =
                 right.take(product.depth).enumerate().map(|(k, y)| product.left.at(row, k) * y);
-            product.out[row * product.out_stride + column] = products.sum();
+            product.out[row * product.out_stride + column] += products.sum::<f32>();
         }
     }
 }

@@ -2,10 +2,13 @@
 
 use super::buffer::{Buffer, padded};
 use super::network::Network;
-use super::pass::{Deltas, Machine, Rows, Trace};
+use super::pass::{Deltas, Gradient, Machine, Rows, Trace};
 use crate::agent::config::AgentConfig;
 use crate::batch::Batch;
 use std::ops::Range;
+
+/// Rows whose activations stay in a core's own cache, with the weights that they meet.
+const CHUNK_ROWS: usize = 256;
 
 /// What every slice reads during an update.
 #[derive(Clone, Copy)]
@@ -82,14 +85,15 @@ impl Sums {
 impl Slice {
     pub(super) fn new(rows: Range<usize>, actor: &Network, critics: &[Network]) -> Self {
         let count = rows.len();
+        let chunk = chunks(count).map(|chunk| chunk.len()).max().unwrap_or(0);
         let critic = &critics[0];
         let action = actor.shape.outputs;
         Self {
-            actor_trace: Trace::new(&actor.layers, count),
-            critic_trace: Trace::new(&critic.layers, count),
-            deltas: Deltas::new(actor.layers.iter().chain(&critic.layers), count),
+            actor_trace: Trace::new(&actor.layers, chunk),
+            critic_trace: Trace::new(&critic.layers, chunk),
+            deltas: Deltas::new(actor.layers.iter().chain(&critic.layers), chunk),
             critic_input: Buffer::zeros(count * critic.shape.inputs),
-            action_gradient: Buffer::zeros(count * padded(action)),
+            action_gradient: Buffer::zeros(chunk * padded(action)),
             targets: Buffer::zeros(count),
             actor_gradient: Buffer::zeros(actor.online.flat.len()),
             critic_gradients: critics
@@ -103,35 +107,46 @@ impl Slice {
     }
 
     /// Bellman targets, then the gradient of every critic.
+    ///
+    /// Network by network, and chunk by chunk for each: a network's weights stay in the core's
+    /// cache from one chunk to the next.
     pub(super) fn critics(&mut self, job: Job<'_>) {
         self.find_targets(job);
         let Job { machine, batch, critics, .. } = job;
-        let (rows, action) = (self.rows.len(), batch.action);
+        let (count, action) = (self.rows.len(), batch.action);
+        let width = batch.input + action;
         let actions = batch.actions[self.rows.start * action..].chunks_exact(action);
         let state = self.states(&batch.inputs, batch.input);
         for (to, action) in fill_states(&mut self.critic_input, state, action).zip(actions) {
             to.copy_from_slice(action);
         }
-        let input = Rows { data: &self.critic_input, stride: batch.input + action };
         self.sums = Sums::NONE;
         self.finite = true;
         for (index, (critic, gradient)) in
             critics.iter().zip(&mut self.critic_gradients).enumerate()
         {
-            critic.forward(machine, &critic.online, input, rows, &mut self.critic_trace);
-            let values = self.critic_trace.output().iter().step_by(padded(1));
-            let deltas = self.deltas.output_mut().iter_mut().step_by(padded(1));
-            for ((q, delta), target) in values.zip(deltas).zip(&*self.targets) {
-                let error = q - target;
-                *delta = 2.0 * error / batch.rows() as f32;
-                self.sums.squared_errors += f64::from(error).powi(2);
-                if index == 0 {
-                    self.sums.q += f64::from(*q);
-                    self.sums.q_min = self.sums.q_min.min(*q);
-                    self.sums.q_max = self.sums.q_max.max(*q);
+            for chunk in chunks(count) {
+                let rows = chunk.len();
+                let input = Rows { data: &self.critic_input[chunk.start * width..], stride: width };
+                critic.forward(machine, &critic.online, input, rows, &mut self.critic_trace);
+                let values = self.critic_trace.output();
+                let deltas = self.deltas.output_mut();
+                for ((q, delta), target) in
+                    values.iter().zip(deltas).zip(&self.targets[chunk.clone()])
+                {
+                    let error = q - target;
+                    *delta = 2.0 * error / batch.rows() as f32;
+                    self.sums.squared_errors += f64::from(error).powi(2);
+                    if index == 0 {
+                        self.sums.q += f64::from(*q);
+                        self.sums.q_min = self.sums.q_min.min(*q);
+                        self.sums.q_max = self.sums.q_max.max(*q);
+                    }
                 }
+                let trace = &self.critic_trace;
+                let gradient = Gradient { values: gradient, accumulate: chunk.start > 0 };
+                critic.backward(machine, input, rows, trace, &mut self.deltas, gradient);
             }
-            critic.backward(machine, input, rows, &self.critic_trace, &mut self.deltas, gradient);
             self.finite &= machine.all_finite(gradient);
         }
     }
@@ -139,26 +154,36 @@ impl Slice {
     /// y = clip(r + γ min(Q₁′, Q₂′)(s′, clip(π′(s′) + clip(σ ε, ±c), ±1)), [−1/(1−γ), 0])
     fn find_targets(&mut self, job: Job<'_>) {
         let Job { machine, config, actor, critics, batch, noise } = job;
-        let (rows, action) = (self.rows.len(), batch.action);
+        let (count, action) = (self.rows.len(), batch.action);
+        let width = batch.input + action;
         let next = self.states(&batch.next_inputs, batch.input);
-        actor.forward(machine, &actor.target, next, rows, &mut self.actor_trace);
         let clip = config.target_noise_clip;
-        let noise = noise[self.rows.start * action..].chunks_exact(action);
-        let said = self.actor_trace.output().chunks_exact(padded(action)).zip(noise);
-        for (row, (said, noise)) in fill_states(&mut self.critic_input, next, action).zip(said) {
-            for ((to, said), noise) in row.iter_mut().zip(said).zip(noise) {
-                let shake = (config.target_noise * noise).clamp(-clip, clip);
-                *to = (said.tanh() + shake).clamp(-1.0, 1.0);
+        let noise = &noise[self.rows.start * action..];
+        let mut inputs = fill_states(&mut self.critic_input, next, action);
+        for chunk in chunks(count) {
+            let states =
+                Rows { data: &next.data[chunk.start * next.stride..], stride: next.stride };
+            actor.forward(machine, &actor.target, states, chunk.len(), &mut self.actor_trace);
+            let said = self.actor_trace.output().chunks_exact(actor.output_stride());
+            let noise = noise[chunk.start * action..].chunks_exact(action);
+            for ((said, noise), row) in said.zip(noise).zip(inputs.by_ref().take(chunk.len())) {
+                for ((to, said), noise) in row.iter_mut().zip(said).zip(noise) {
+                    let shake = (config.target_noise * noise).clamp(-clip, clip);
+                    *to = (said.tanh() + shake).clamp(-1.0, 1.0);
+                }
             }
         }
+        drop(inputs);
 
-        let input = Rows { data: &self.critic_input, stride: batch.input + action };
         for (index, critic) in critics.iter().enumerate() {
-            critic.forward(machine, &critic.target, input, rows, &mut self.critic_trace);
-            let values = self.critic_trace.output().iter().step_by(padded(1));
-            for (target, q) in self.targets.iter_mut().zip(values) {
-                if index == 0 || *q < *target {
-                    *target = *q;
+            for chunk in chunks(count) {
+                let input = Rows { data: &self.critic_input[chunk.start * width..], stride: width };
+                let trace = &mut self.critic_trace;
+                critic.forward(machine, &critic.target, input, chunk.len(), trace);
+                for (target, q) in self.targets[chunk].iter_mut().zip(trace.output()) {
+                    if index == 0 || *q < *target {
+                        *target = *q;
+                    }
                 }
             }
         }
@@ -170,14 +195,23 @@ impl Slice {
 
     /// The gradient of −mean Q₁(s, π(s)) + `action_l2` · mean π(s)² with respect to the actor.
     pub(super) fn actor(&mut self, job: Job<'_>) {
+        for chunk in chunks(self.rows.len()) {
+            self.actor_of(chunk, job);
+        }
+        self.finite &= job.machine.all_finite(&self.actor_gradient);
+    }
+
+    fn actor_of(&mut self, chunk: Range<usize>, job: Job<'_>) {
         let Job { machine, config, actor, critics, batch, .. } = job;
-        let (rows, action) = (self.rows.len(), batch.action);
-        let stride = padded(action);
-        let state = self.states(&batch.inputs, batch.input);
-        actor.forward(machine, &actor.online, state, rows, &mut self.actor_trace);
+        let (rows, action) = (chunk.len(), batch.action);
+        let width = batch.input + action;
+        let stride = actor.output_stride();
+        let states = self.states(&batch.inputs, batch.input);
+        let states = Rows { data: &states.data[chunk.start * states.stride..], ..states };
+        actor.forward(machine, &actor.online, states, rows, &mut self.actor_trace);
         let actions = self.actor_trace.output_mut().chunks_exact_mut(stride);
-        let inputs = self.critic_input.chunks_exact_mut(batch.input + action);
-        for (said, input) in actions.zip(inputs) {
+        let input = &mut self.critic_input[chunk.start * width..chunk.end * width];
+        for (said, input) in actions.zip(input.chunks_exact_mut(width)) {
             for (x, to) in said[..action].iter_mut().zip(&mut input[batch.input..]) {
                 *x = x.tanh();
                 *to = *x;
@@ -186,11 +220,10 @@ impl Slice {
         }
 
         let critic = &critics[0];
-        let input = Rows { data: &self.critic_input, stride: batch.input + action };
+        let input = Rows { data: input, stride: width };
         critic.forward(machine, &critic.online, input, rows, &mut self.critic_trace);
-        let values = self.critic_trace.output().iter().step_by(padded(1));
-        let deltas = self.deltas.output_mut().iter_mut().step_by(padded(1));
-        for (q, delta) in values.zip(deltas).take(rows) {
+        let values = self.critic_trace.output().iter().take(rows);
+        for (q, delta) in values.zip(self.deltas.output_mut()) {
             self.sums.q_of_actor += f64::from(*q);
             *delta = -1.0 / batch.rows() as f32;
         }
@@ -204,28 +237,27 @@ impl Slice {
 
         let pull = 2.0 * config.action_l2 / (batch.rows() * action) as f32;
         let actions = self.actor_trace.output().chunks_exact(stride);
-        let gradients = self.action_gradient.chunks_exact(stride).zip(actions);
+        let gradients = self.action_gradient.chunks_exact(padded(action)).zip(actions);
         let deltas = self.deltas.output_mut().chunks_exact_mut(stride);
         for (delta, (gradient, actions)) in deltas.zip(gradients) {
             for ((delta, gradient), a) in delta.iter_mut().zip(gradient).zip(&actions[..action]) {
                 *delta = (gradient + pull * a) * (1.0 - a * a);
             }
         }
-        actor.backward(
-            machine,
-            state,
-            rows,
-            &self.actor_trace,
-            &mut self.deltas,
-            &mut self.actor_gradient,
-        );
-        self.finite &= machine.all_finite(&self.actor_gradient);
+        let gradient = Gradient { values: &mut self.actor_gradient, accumulate: chunk.start > 0 };
+        actor.backward(machine, states, rows, &self.actor_trace, &mut self.deltas, gradient);
     }
 
     /// This slice's rows of `states`.
     fn states<'a>(&self, states: &'a [f32], width: usize) -> Rows<'a> {
         Rows { data: &states[self.rows.start * width..], stride: width }
     }
+}
+
+/// Rows that are worked on together, evenly cut.
+fn chunks(rows: usize) -> impl Iterator<Item = Range<usize>> {
+    let count = rows.div_ceil(CHUNK_ROWS);
+    (0..count).map(move |index| rows * index / count..rows * (index + 1) / count)
 }
 
 /// Writes `states` into the critics' input; the places of the actions, row by row.

@@ -63,6 +63,7 @@ pub fn gemm_peak(rows: usize, width: usize) -> f64 {
                 rows,
                 depth: width,
                 columns: width,
+                accumulate: false,
             });
         }
         best = best.min(products_start.elapsed() / PRODUCTS as u32);
