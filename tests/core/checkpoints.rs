@@ -1,6 +1,7 @@
 //! A run that is stopped and resumed is the run that was never stopped.
 
 use crate::toy::{Lines, Magnet, small};
+use rher_core::agent::config::EngineKind;
 use rher_core::checkpoint::CheckpointError;
 use rher_core::config::{BatchMode, TrainConfig};
 use rher_core::event::{Event, Metrics, Observer, ObserverError};
@@ -111,6 +112,27 @@ fn a_stop_between_two_renames_loses_nothing() {
     fs::rename(checkpoint.join("current.ckpt"), checkpoint.join("next.ckpt")).unwrap();
     let trainer = Trainer::resume(folder.path(), envs(1), 1).unwrap();
     assert_eq!(trainer.progress().episodes, 20);
+}
+
+#[test]
+fn a_run_of_one_engine_goes_on_with_the_other() {
+    let engines = [EngineKind::Fused, EngineKind::Burn];
+    for (first, second) in [(engines[0], engines[1]), (engines[1], engines[0])] {
+        let folder = tempfile::tempdir().unwrap();
+        let mut config = config();
+        config.agent.engine = first;
+        let mut trainer = Trainer::new(config, envs(1), 1).unwrap();
+        run_until(folder.path(), &mut trainer, 15);
+        let mut trainer = Trainer::resume(folder.path(), envs(1), 1).unwrap();
+        let before = trainer.policy().clone();
+        trainer.set_engine(second).unwrap();
+        assert_eq!(trainer.policy(), &before);
+        run_until(folder.path(), &mut trainer, 30);
+        assert_ne!(trainer.policy(), &before);
+        let resumed = Trainer::resume(folder.path(), envs(1), 1).unwrap();
+        assert_eq!(resumed.config().agent.engine, second);
+        assert_eq!(resumed.policy(), trainer.policy());
+    }
 }
 
 #[test]

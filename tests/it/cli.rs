@@ -15,7 +15,7 @@ fn keys(object: &Value) -> Vec<&str> {
 }
 
 /// The same text without the names of the tasks, which are many.
-fn without_tasks(text: impl ToString) -> String {
+fn without_tasks(text: &impl ToString) -> String {
     let text = text.to_string();
     match text.split_once("[possible values: reach") {
         Some((before, after)) => {
@@ -68,7 +68,7 @@ fn help_names_the_verbs_and_every_exit_status() {
 
 #[test]
 fn training_help_teaches() {
-    assert_snapshot!(without_tasks(Rher::new().ok("train -h")), @"
+    assert_snapshot!(without_tasks(&Rher::new().ok("train -h")), @"
     Train a policy, from the beginning or on from a checkpoint
 
     Usage: rher train [OPTIONS] [TASK]
@@ -91,6 +91,7 @@ fn training_help_teaches() {
           --env-steps <N>    End after this many environment steps; evaluations do not count
           --until <RATE>     End at the second evaluation running with at least this success rate; 0
                              never does
+          --engine <NAME>    Who does the arithmetic of the networks [possible values: burn, fused]
           --envs <N>         Step this many environments side by side between updates: part of the
                              experiment
           --workers <N>      Threads that do the work; never part of the result [default: one for each
@@ -161,7 +162,7 @@ fn a_file_can_name_its_preset() {
 #[test]
 fn unknown_tasks_are_refused_with_the_nearest() {
     let rher = Rher::new();
-    assert_snapshot!(without_tasks(rher.run("train psuh")), @"
+    assert_snapshot!(without_tasks(&rher.run("train psuh")), @"
     exit 2
     error: invalid value 'psuh' for '[TASK]'
       [possible values: …]
@@ -170,7 +171,7 @@ fn unknown_tasks_are_refused_with_the_nearest() {
 
     For more information, try '--help'.
     ");
-    assert_snapshot!(without_tasks(rher.run("bench env --task psuh")), @"
+    assert_snapshot!(without_tasks(&rher.run("bench env --task psuh")), @"
     exit 2
     error: invalid value 'psuh' for '--task <TASK>'
       [possible values: …]

@@ -90,8 +90,8 @@ pub(crate) struct TrainArgs {
 
     /// Go on with the run in this folder, as if it had never stopped
     ///
-    /// Settings come from the checkpoint; only --workers, --quiet, --env-steps and --until may be
-    /// given with it.
+    /// Settings come from the checkpoint; only --workers, --quiet, --engine, --env-steps and
+    /// --until may be given with it.
     #[arg(
         long,
         value_name = "DIR",
@@ -135,6 +135,10 @@ pub(crate) struct SettingsArgs {
     /// End at the second evaluation running with at least this success rate; 0 never does
     #[arg(long, value_name = "RATE", value_parser = rate)]
     pub(crate) until: Option<f32>,
+
+    /// Who does the arithmetic of the networks
+    #[arg(long, value_enum, value_name = "NAME")]
+    pub(crate) engine: Option<EngineName>,
 
     /// Step this many environments side by side between updates: part of the experiment
     ///
@@ -268,6 +272,16 @@ pub(crate) enum EngineName {
     Burn,
     /// Explicit forward and backward passes over preallocated buffers
     Fused,
+}
+
+impl EngineName {
+    /// As in settings.
+    pub(crate) const fn name(self) -> &'static str {
+        match self {
+            Self::Burn => "burn",
+            Self::Fused => "fused",
+        }
+    }
 }
 
 impl From<EngineName> for EngineKind {

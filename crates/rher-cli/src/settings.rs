@@ -16,7 +16,7 @@ const FIXED: [&str; 3] = ["version", "task", "preset"];
 
 /// The settings that `args` and the files they name come to.
 pub(crate) fn resolve(task: Task, args: &SettingsArgs) -> Result<TrainConfig, SettingsError> {
-    let SettingsArgs { preset, config, set, method, seed, env_steps, until, envs } = args;
+    let SettingsArgs { preset, config, set, method, seed, env_steps, until, engine, envs } = args;
     let file = config.as_deref().map(ConfigFile::read).transpose()?;
     if let Some(file) = &file {
         file.check_task(task)?;
@@ -44,6 +44,7 @@ pub(crate) fn resolve(task: Task, args: &SettingsArgs) -> Result<TrainConfig, Se
         ("seed", "--seed", seed.map(|seed| Value::Integer(seed.cast_signed()))),
         ("env_steps", "--env-steps", env_steps.map(|steps| Value::Integer(steps.cast_signed()))),
         ("until", "--until", until.map(|rate| Value::Float(rate.into()))),
+        ("agent.engine", "--engine", engine.map(|engine| engine.name().into())),
         ("envs", "--envs", envs.map(|envs| Value::Integer(envs.cast_signed()))),
     ];
     for (key, option, value) in options {

@@ -1,7 +1,7 @@
 //! `rher train`: a new run, or one that goes on.
 
 use super::threads;
-use crate::cli::{SettingsArgs, TrainArgs};
+use crate::cli::{EngineName, SettingsArgs, TrainArgs};
 use crate::error::ForeignTask;
 use crate::exit_code::Status;
 use crate::observe::{MetricsFile, ProgressView, Watch, duration, percent, thousands};
@@ -55,7 +55,8 @@ fn go_on(
     let config = checkpoint::read_config(path)?;
     let name = config.task.clone();
     let task: Task = name.parse().map_err(|_| ForeignTask { name })?;
-    let start = Start::Resumed { env_steps: settings.env_steps, until: settings.until };
+    let SettingsArgs { env_steps, until, engine, .. } = *settings;
+    let start = Start::Resumed { env_steps, until, engine };
     task.visit(Session { folder, config, start, workers, printer })
 }
 
@@ -70,10 +71,11 @@ struct Session {
 
 enum Start {
     New,
-    /// From the checkpoint, with other ends if they are given.
+    /// From the checkpoint, with another end or engine if they are given.
     Resumed {
         env_steps: Option<u64>,
         until: Option<f32>,
+        engine: Option<EngineName>,
     },
 }
 
@@ -88,13 +90,16 @@ impl EnvVisitor for Session {
                 let trainer = Trainer::new(config, envs, workers)?;
                 (trainer, MetricsFile::create(&folder.metrics())?)
             }
-            Start::Resumed { env_steps, until } => {
+            Start::Resumed { env_steps, until, engine } => {
                 let mut trainer = Trainer::resume(folder.path(), envs, workers)?;
                 if let Some(env_steps) = env_steps {
                     trainer.set_env_steps(env_steps);
                 }
                 if let Some(until) = until {
                     trainer.set_until(until);
+                }
+                if let Some(engine) = engine {
+                    trainer.set_engine(engine.into())?;
                 }
                 if let Some(finish) = trainer.finished() {
                     printer.note(already_finished(finish, &folder, trainer.progress()));

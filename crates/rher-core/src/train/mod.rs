@@ -2,7 +2,7 @@
 
 mod tally;
 
-use crate::agent::config::{AgentConfig, TargetEvery};
+use crate::agent::config::{AgentConfig, EngineKind, TargetEvery};
 use crate::agent::learner::{Engine, LearnerState, NotFinite};
 use crate::agent::network::Shape;
 use crate::agent::policy::{About, Policy};
@@ -259,6 +259,16 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
     /// Changes the success rate that ends the run.
     pub fn set_until(&mut self, until: f32) {
         self.state.config.until = until;
+    }
+
+    /// Goes on with another engine from where this one is.
+    pub fn set_engine(&mut self, engine: EngineKind) -> Result<(), TrainError> {
+        let agent = &mut self.state.config.agent;
+        agent.engine = engine;
+        let workers = self.pool.current_num_threads();
+        self.engine = crate::agent::engine(agent, self.engine.state(), workers)
+            .map_err(|source| TrainError::Threads { workers, source })?;
+        Ok(())
     }
 
     /// How far the run is.

@@ -38,7 +38,7 @@ const PEAK_SHAPE: (usize, usize) = (256, 256);
 struct UpdateSpeed {
     batch: usize,
     inputs: usize,
-    engine: String,
+    engine: &'static str,
     threads: usize,
     /// Median on the wall clock.
     ms_per_update: f64,
@@ -81,7 +81,7 @@ pub(crate) fn bench_update(args: &BenchUpdateArgs, printer: Printer) -> anyhow::
     ]);
     for speed in speeds {
         listing.add_row([
-            speed.engine,
+            speed.engine.to_owned(),
             speed.batch.to_string(),
             speed.inputs.to_string(),
             speed.threads.to_string(),
@@ -146,7 +146,7 @@ fn measure(
     Ok(UpdateSpeed {
         batch,
         inputs,
-        engine: engine.to_possible_value().map_or_else(String::new, |v| v.get_name().to_owned()),
+        engine: engine.name(),
         threads,
         ms_per_update: 1e3 * median,
         cpu_ms_per_update: 1e3 * cpu,
