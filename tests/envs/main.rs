@@ -6,6 +6,7 @@
 mod blocks;
 mod contract;
 mod determinism;
+mod drawer;
 mod insert;
 mod mirror;
 mod obstacle_push;

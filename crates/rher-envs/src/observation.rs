@@ -48,6 +48,23 @@ pub(crate) fn gripper_and_two_objects(grip: &Grip, objects: &[Motion; 2], out: &
     out.vector(objects[0].position - objects[1].position);
 }
 
+/// Writes the 43 numbers of the authors' `DrawerBox`.
+///
+/// The 25 of [`gripper_and_object`] for the handle, block − gripper (3), [`turn_and_velocity`] of
+/// the block (9), block (3), block − handle (3).
+pub(crate) fn gripper_handle_and_block(
+    grip: &Grip,
+    handle: &Motion,
+    block: &Motion,
+    out: &mut impl Sink,
+) {
+    gripper_and_object(grip, handle, out);
+    out.vector(block.position - grip.position);
+    turn_and_velocity(grip, block, out);
+    out.position(block.position);
+    out.vector(block.position - handle.position);
+}
+
 /// Writes the 69 numbers of the authors' `FetchThreePush`.
 ///
 /// Gripper (3), finger openings (2), 15 for each of the first two objects

@@ -57,10 +57,14 @@ tasks! {
     Insert: tasks::Insert, 1;
     /// Push a block to a place on the table, round an obstacle.
     ObstaclePush: tasks::ObstaclePush, 1;
+    /// Pull a drawer open by its handle.
+    Drawer: tasks::Drawer, 1;
     /// Push two blocks, each to its place on the table.
     DPush: tasks::DPush, 2;
     /// Bring a block to a place on the table, and another on top of it.
     Stack: tasks::Stack, 2;
+    /// Pull a drawer open, take a block out of it and put it on top of the cabinet.
+    DrawerBox: tasks::DrawerBox, 2;
     /// Push three blocks, each to its place on the table.
     TPush: tasks::TPush, 3;
     /// Bring a block to a place on the table, and two more on top of it.

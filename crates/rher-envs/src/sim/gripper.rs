@@ -28,9 +28,6 @@ const FINGER_HEIGHT: f32 = 0.019;
 /// How far a finger opens, in metres.
 const FINGER_RANGE: f32 = 0.05;
 
-/// How far an action of 1 moves the point that the hand is after, in metres.
-const REACH_PER_STEP: f32 = 0.05;
-
 /// Angular frequency of the hand's answer, in radians per second.
 const HAND_FREQUENCY: f32 = 50.5;
 
@@ -116,6 +113,22 @@ pub(super) struct Gripper {
     opening: Opening,
     /// From where the robot stands in `FetchPush` to where it stands.
     robot: Vector,
+    range: HandRange,
+}
+
+/// Where actions can bring the hand.
+#[derive(Clone, Copy)]
+pub(super) struct HandRange {
+    /// How far an action of 1 moves the point that the hand is after, in metres.
+    pub(super) per_step: f32,
+    /// Height below which no action brings the grip centre, in metres.
+    pub(super) lowest: f32,
+}
+
+impl Default for HandRange {
+    fn default() -> Self {
+        Self { per_step: 0.05, lowest: f32::NEG_INFINITY }
+    }
 }
 
 /// The bodies that make up the gripper.
@@ -196,6 +209,7 @@ impl Gripper {
             lead: Lead { position: centre, velocity: Vector::ZERO, target: centre },
             opening: Opening { position: 0.0, velocity: 0.0, target: 0.0 },
             robot: Vector::ZERO,
+            range: HandRange::default(),
         }
     }
 
@@ -204,13 +218,19 @@ impl Gripper {
         self.robot = robot;
     }
 
+    /// Sets where actions can bring the hand.
+    pub(super) fn confine(&mut self, range: HandRange) {
+        self.range = range;
+    }
+
     /// Turns an action into targets for the rest of the step.
     pub(super) fn aim(&mut self, action: [f32; 4], bodies: &RigidBodySet) {
         let [x, y, z, opening] = action;
         let (position, velocity) = self.hand.centre(bodies);
         let reach = position - self.robot;
         let recoil = STRETCHED.at(reach) + FOLDED.at(reach);
-        self.lead.aim(Vector::new(x, y, z) * REACH_PER_STEP + recoil, position, velocity);
+        self.lead.aim(Vector::new(x, y, z) * self.range.per_step + recoil, position, velocity);
+        self.lead.target.z = self.lead.target.z.max(self.range.lowest + FINGER_HEIGHT);
         if let Hand::Fingers(fingers, _) = self.hand {
             self.opening.aim(opening, gap(fingers, bodies).0);
         }

@@ -2,13 +2,15 @@
 //!
 //! Rapier and its math stay inside this module; what leaves it speaks nalgebra.
 
+mod cabinet;
 mod gripper;
 mod scenery;
 
+pub(crate) use cabinet::Cabinet;
 pub(crate) use gripper::{Fingers, Grip};
 pub(crate) use scenery::{BLOCK_EDGE, OBSTACLE_HALF, PLATE_HEIGHT, PUCK_HEIGHT};
 
-use gripper::Gripper;
+use gripper::{Gripper, HandRange};
 use nalgebra::{ComplexField, Point3, Quaternion, UnitQuaternion, Vector3};
 use rapier3d::prelude::{
     BroadPhaseBvh, CCDSolver, ColliderSet, FrictionModel, ImpulseJointSet, IntegrationParameters,
@@ -98,17 +100,24 @@ impl World {
         let mut joints = ImpulseJointSet::new();
         let mut gripper =
             Gripper::new(fingers, glam(home.coords), &mut bodies, &mut colliders, &mut joints);
-        let mut scenery = Scenery { bodies, colliders, robot: Vector3::zeros() };
+        let mut scenery = Scenery {
+            bodies,
+            colliders,
+            joints,
+            robot: Vector3::zeros(),
+            hand_range: HandRange::default(),
+        };
         scenery.floor();
         let furniture = furnish(&mut scenery);
         gripper.stand_at(glam(scenery.robot));
+        gripper.confine(scenery.hand_range);
         let initial = State {
             islands: IslandManager::new(),
             broad_phase: BroadPhaseBvh::new(),
             narrow_phase: NarrowPhase::new(),
             bodies: scenery.bodies,
             colliders: scenery.colliders,
-            joints,
+            joints: scenery.joints,
             continuous: CCDSolver::new(),
             gripper,
         };
@@ -205,8 +214,10 @@ impl World {
 pub(crate) struct Scenery {
     bodies: RigidBodySet,
     colliders: ColliderSet,
+    joints: ImpulseJointSet,
     /// From where the robot stands in `FetchPush` to where it stands here, in metres.
     robot: Vector3<f32>,
+    hand_range: HandRange,
 }
 
 fn parameters() -> IntegrationParameters {

@@ -12,6 +12,15 @@ pub(crate) const BLOCK_EDGE: f32 = 0.05;
 /// Kilograms.
 const BLOCK_MASS: f32 = 2.0;
 
+/// Kilograms.
+const SLUGGISH_MASS: f32 = 4.0;
+
+/// Kilogram square metres, about each axis.
+const SLUGGISH_INERTIA: f32 = 0.01;
+
+/// Newton seconds per metre, and newton metre seconds per radian.
+const SLUGGISH_DAMPING: f32 = 10.0;
+
 /// Metres.
 const PUCK_RADIUS: f32 = 0.025;
 
@@ -43,11 +52,38 @@ impl Scenery {
 
     /// A cube of 5 cm and 2 kg.
     pub(crate) fn block(&mut self) -> Body {
+        self.cube(RigidBodyBuilder::dynamic(), BLOCK_MASS)
+    }
+
+    /// The cube of 5 cm and 4 kg in the drawer, which moves as if through honey.
+    pub(crate) fn sluggish_block(&mut self) -> Body {
+        let body = RigidBodyBuilder::dynamic()
+            .linear_damping(SLUGGISH_DAMPING / SLUGGISH_MASS)
+            .angular_damping(SLUGGISH_DAMPING / SLUGGISH_INERTIA);
+        self.cube(body, SLUGGISH_MASS)
+    }
+
+    fn cube(&mut self, body: RigidBodyBuilder, mass: f32) -> Body {
         let half = BLOCK_EDGE / 2.0;
-        let body = self.bodies.insert(RigidBodyBuilder::dynamic().can_sleep(false));
-        let cube = with_friction(ColliderBuilder::cuboid(half, half, half)).mass(BLOCK_MASS);
+        let body = self.bodies.insert(body.can_sleep(false));
+        let cube = with_friction(ColliderBuilder::cuboid(half, half, half)).mass(mass);
         self.colliders.insert_with_parent(cube, body, &mut self.bodies);
         Body(body)
+    }
+
+    /// Makes an action of 1 move the hand's target by `per_step` metres instead of 5 cm.
+    pub(crate) fn slow_hand(&mut self, per_step: f32) {
+        self.hand_range.per_step = per_step;
+    }
+
+    /// Lets no action bring the grip centre below a height, in metres.
+    pub(crate) fn keep_hand_above(&mut self, height: f32) {
+        self.hand_range.lowest = height;
+    }
+
+    /// The table of Drawer and `DrawerBox`: its top is 0.32 m high.
+    pub(crate) fn cabinet_table(&mut self) {
+        self.fixed_box(Position::new(1.42, 0.75, 0.16), Vector3::new(0.25, 0.35, 0.16));
     }
 
     /// Moves the robot from where it stands in `FetchPush`, by metres: its arm reaches elsewhere.

@@ -2,6 +2,8 @@
 
 mod blocks;
 mod dpush;
+mod drawer;
+mod drawer_box;
 mod insert;
 mod obstacle_push;
 mod pick;
@@ -13,6 +15,8 @@ mod tpush;
 mod tstack;
 
 pub use dpush::DPush;
+pub use drawer::Drawer;
+pub use drawer_box::DrawerBox;
 pub use insert::Insert;
 pub use obstacle_push::ObstaclePush;
 pub use pick::Pick;
