@@ -3,6 +3,8 @@
 use crate::scripted::PUSH_HEIGHT;
 use crate::support::{FINGERTIP, HALF_BLOCK, Stand, at_height, flat, is_met, towards};
 use nalgebra::Vector3;
+use rand::{RngExt as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
 use rher_core::goal::{Achieved, Position, Scene};
 use rher_envs::tasks::{DPush, Stack, TPush, TStack};
 use rher_envs::{ACTION_WIDTH, Simulated, Simulation};
@@ -66,6 +68,90 @@ fn a_controller_stacks_three_blocks() {
             state.act(seen[0], scene, targets)
         }
     });
+}
+
+#[test]
+fn released_stacks_stand() {
+    stand_still(Simulation::<Stack, 2>::new(), 3);
+    stand_still(Simulation::<TStack, 3>::new(), 0);
+}
+
+/// Stacks blocks, lets go, and watches them for 10 seconds; `fingers` is where the observation has
+/// the opening.
+fn stand_still<const N: usize>(env: impl Simulated<N>, fingers: usize) {
+    let (mut drift, mut speed) = (0.0_f32, 0.0_f32);
+    let mut stand = Stand::new(env);
+    let mut stacks = 0;
+    for seed in 0..20 {
+        let desired = stand.reset(seed);
+        let mut stacking = Stacking::new();
+        for _ in 0..stand.env.spec().episode_steps {
+            let opening = stand.observation[fingers];
+            let action = stacking.act(opening, &stand.scene, desired.objects());
+            stand.step(action);
+        }
+        if !is_met(&stand.env, Achieved(stand.scene), &desired) {
+            continue;
+        }
+        stacks += 1;
+        // Up, and a second for the stack to stop swaying.
+        stand.repeat(5, [0.0, 0.0, 1.0, 0.0]);
+        stand.repeat(25, [0.0; 4]);
+        let released = stand.scene.objects;
+        for _ in 0..250 {
+            let before = stand.scene.objects;
+            stand.step([0.0; 4]);
+            for ((now, before), released) in stand.scene.objects.iter().zip(before).zip(released) {
+                drift = drift.max((now - released).norm());
+                speed = speed.max((now - before).norm() / 0.04);
+            }
+        }
+    }
+    println!("stacks of {N}, {stacks} of them: drift {drift} m in 10 s, at most {speed} m/s");
+    assert!(stacks >= 15 && drift < 0.001 && speed < 0.002, "{N}: {drift} m, {speed} m/s");
+}
+
+#[test]
+fn blocks_that_fall_onto_each_other_gain_no_energy() {
+    let mut rng = ChaCha8Rng::seed_from_u64(4);
+    let (mut gained, mut above_start) = (0.0_f32, f32::NEG_INFINITY);
+    for _ in 0..50 {
+        let mut stand = Stand::new(Simulation::<DPush, 2>::new());
+        let mut offset = |spread: f32| rng.random_range(-spread..spread);
+        let foot = Position::new(1.45 + offset(0.02), 0.9 + offset(0.02), 0.46 + offset(0.03));
+        let on_top = foot + Vector3::new(offset(0.04), offset(0.04), 0.08 + offset(0.02));
+        stand.arrange([foot, on_top]);
+        let start = energy_of_two_blocks(&stand.observation, &stand.scene);
+        let mut least = start;
+        for _ in 0..100 {
+            stand.step([0.0; 4]);
+            let energy = energy_of_two_blocks(&stand.observation, &stand.scene);
+            above_start = above_start.max(energy - start);
+            gained = gained.max(energy - least);
+            least = least.min(energy);
+        }
+    }
+    println!("two blocks that fall: {above_start} J over the start, {gained} J over the least");
+    // What landed a few millimetres deep is lifted out again.
+    assert!(above_start < 1e-3 && gained < 0.1, "{above_start} J, {gained} J");
+}
+
+/// In joules, above the table's top.
+fn energy_of_two_blocks(observation: &[f32], scene: &Scene<2>) -> f32 {
+    const MASS: f32 = 2.0;
+    const INERTIA: f32 = MASS * 4.0 * HALF_BLOCK * HALF_BLOCK / 6.0;
+    let vector = |at: usize| Vector3::from_column_slice(&observation[at..at + 3]) / 0.04;
+    let hand = vector(35);
+    [5, 20]
+        .into_iter()
+        .zip(scene.objects)
+        .map(|(at, block)| {
+            let (velocity, spin) = (vector(at + 9) + hand, vector(at + 12));
+            MASS * 9.81 * (block.z - 0.4)
+                + MASS / 2.0 * velocity.norm_squared()
+                + INERTIA / 2.0 * spin.norm_squared()
+        })
+        .sum()
 }
 
 /// Asks a controller to meet the goal at the last step of 98 episodes of 100.
