@@ -36,6 +36,7 @@ fn help_names_the_verbs_and_every_exit_status() {
     Commands:
       tasks   List the tasks: objects, sub-tasks, widths, episode length, tolerances
       train   Train a policy, from the beginning or on from a checkpoint
+      sweep   Train with every combination of settings and seeds, a few runs at a time
       eval    Measure how often a policy succeeds, with a 95 % confidence interval
       config  Print every setting of a run as TOML, for `rher train --config`
       bench   Measure the speed of this machine

@@ -7,3 +7,4 @@ mod determinism;
 mod learning;
 mod resume;
 mod support;
+mod sweep;

@@ -43,6 +43,8 @@ pub(crate) enum Command {
     Tasks(TasksArgs),
     /// Train a policy, from the beginning or on from a checkpoint
     Train(TrainArgs),
+    /// Train with every combination of settings and seeds, a few runs at a time
+    Sweep(SweepArgs),
     /// Measure how often a policy succeeds, with a 95 % confidence interval
     Eval(EvalArgs),
     /// Print every setting of a run as TOML, for `rher train --config`
@@ -102,6 +104,61 @@ pub(crate) struct TrainArgs {
     /// Tell errors only
     #[arg(short, long)]
     pub(crate) quiet: bool,
+}
+
+#[derive(Debug, Args)]
+#[command(after_long_help = "\
+Examples:
+  rher sweep push --seeds 1-5
+  rher sweep push --seeds 1-3 --set relay.mirror=0,0.5 --set agent.discount=0.95,0.98
+  rher sweep push --set agent.hidden=[256,256],[256,256,256] --jobs 1
+
+Every run has a folder of its own, as `rher train` makes it, and one thread. The same command again
+goes on with runs that were interrupted, and leaves finished ones alone.")]
+pub(crate) struct SweepArgs {
+    /// What to learn; `rher tasks` says more
+    #[arg(value_parser = task())]
+    pub(crate) task: Task,
+
+    /// Seeds of every combination, as in `1-5` or `1,2,7`
+    #[arg(long, value_name = "SEEDS", default_value = "1-3")]
+    pub(crate) seeds: Seeds,
+
+    /// One setting and its values, as in `--set relay.mirror=0,0.5`; may be repeated
+    #[arg(long = "set", value_name = "KEY=VALUE,...")]
+    pub(crate) vary: Vec<Axis>,
+
+    /// Settings to start from
+    #[arg(long, value_enum, value_name = "PRESET")]
+    pub(crate) preset: Option<PresetName>,
+
+    /// TOML file with the settings that should differ in every run
+    #[arg(long, value_name = "FILE")]
+    pub(crate) config: Option<PathBuf>,
+
+    /// What is trained
+    #[arg(long, value_enum, value_name = "METHOD")]
+    pub(crate) method: Option<MethodName>,
+
+    /// End every run after this many environment steps
+    #[arg(long, value_name = "N", value_parser = toml_integer(1))]
+    pub(crate) env_steps: Option<u64>,
+
+    /// End a run at the second evaluation running with at least this success rate; 0 never does
+    #[arg(long, value_name = "RATE", value_parser = rate)]
+    pub(crate) until: Option<f32>,
+
+    /// Runs at a time [default: one for each core]
+    #[arg(long, value_name = "N")]
+    pub(crate) jobs: Option<NonZeroUsize>,
+
+    /// Folder of the runs' folders [default: `runs/sweep-<TASK>`]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+
+    /// Print JSON: an array with one object for each combination of settings
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 /// Where settings come from.
@@ -239,6 +296,13 @@ pub(crate) enum PresetName {
     Paper,
 }
 
+impl PresetName {
+    /// As on the command line.
+    pub(crate) fn name(self) -> &'static str {
+        Preset::from(self).name()
+    }
+}
+
 impl From<PresetName> for Preset {
     fn from(name: PresetName) -> Self {
         match name {
@@ -255,6 +319,13 @@ pub(crate) enum MethodName {
     Rher,
     /// Plain hindsight: the last sub-task alone, no guide
     Her,
+}
+
+impl MethodName {
+    /// As on the command line.
+    pub(crate) fn name(self) -> &'static str {
+        Method::from(self).name()
+    }
 }
 
 impl From<MethodName> for Method {
@@ -310,6 +381,53 @@ impl FromStr for Assignment {
     }
 }
 
+/// One `KEY=VALUE,…` of `rher sweep --set`.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Axis {
+    pub(crate) key: String,
+    pub(crate) values: Vec<toml::Value>,
+}
+
+impl FromStr for Axis {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (key, values) = text
+            .split_once('=')
+            .ok_or("expected KEY=VALUE,..., as in `--set relay.mirror=0,0.5`")?;
+        let mut depth = 0_i32;
+        let separated = values.split(|c| {
+            depth += i32::from(c == '[') - i32::from(c == ']');
+            c == ',' && depth == 0
+        });
+        let values = separated.map(|value| toml_value(value.trim())).collect::<Result<_, _>>()?;
+        Ok(Self { key: key.trim().to_owned(), values })
+    }
+}
+
+/// Seeds as in `1-3,7`.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Seeds(pub(crate) Vec<u64>);
+
+impl FromStr for Seeds {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let wrong = || "expected seeds as in `1-5` or `1,2,7`".to_owned();
+        let mut seeds = Vec::new();
+        for part in text.split(',') {
+            let (first, last) = part.split_once('-').unwrap_or((part, part));
+            let first: u64 = first.trim().parse().map_err(|_| wrong())?;
+            let last: u64 = last.trim().parse().map_err(|_| wrong())?;
+            if first > last || last - first >= 1000 {
+                return Err(wrong());
+            }
+            seeds.extend((first..=last).filter(|seed| !seeds.contains(seed)).collect::<Vec<_>>());
+        }
+        Ok(Self(seeds))
+    }
+}
+
 /// TOML, but a bare word needs no quotes.
 fn toml_value(text: &str) -> Result<toml::Value, String> {
     let is_word = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
@@ -357,5 +475,17 @@ mod tests {
         assert!("a.b=[1".parse::<Assignment>().is_err());
         assert!("a.b".parse::<Assignment>().is_err());
         assert!("a.b=".parse::<Assignment>().is_err());
+    }
+
+    #[test]
+    fn a_sweep_takes_several_values_and_seeds() {
+        let axis: Axis = "a.b=[1, 2],[3]".parse().unwrap();
+        assert_eq!(axis.values, [toml::Value::from(vec![1, 2]), toml::Value::from(vec![3])]);
+        let axis: Axis = "a.b=fan-in,xavier".parse().unwrap();
+        assert_eq!(axis.values, [toml::Value::from("fan-in"), toml::Value::from("xavier")]);
+        assert_eq!("1-3,7,2".parse(), Ok(Seeds(vec![1, 2, 3, 7])));
+        for wrong in ["", "3-1", "a", "1,"] {
+            assert!(wrong.parse::<Seeds>().is_err(), "{wrong}");
+        }
     }
 }

@@ -3,6 +3,7 @@
 mod bench;
 mod config;
 mod eval;
+mod sweep;
 mod tasks;
 mod train;
 
@@ -18,6 +19,7 @@ pub(crate) fn run(command: Command, printer: Printer) -> anyhow::Result<Status> 
     match command {
         Command::Tasks(args) => tasks::tasks(&args, printer)?,
         Command::Train(args) => return train::train(&args, printer),
+        Command::Sweep(args) => return sweep::sweep(&args, printer),
         Command::Eval(args) => eval::eval(&args, printer)?,
         Command::Config(args) => config::config(&args, printer)?,
         Command::Bench(BenchCommand::Env(args)) => bench::env::bench_env(&args, printer)?,
