@@ -110,13 +110,18 @@ fn paper(task: &str, objects: usize) -> TrainConfig {
     }
 }
 
-/// Relative goals, mirrored batches, TD3's two critics, targets that follow every update, γ 0.95,
-/// and all sub-tasks in one joint batch of half the rows; as many updates as the two sub-tasks of
-/// one object make in the paper.
+/// Relative goals, mirrored batches, TD3's two critics, networks of two hidden layers, targets that
+/// follow every update, γ 0.95, d = 3 cm, and all sub-tasks in one joint batch of half the rows; as
+/// many updates as the two sub-tasks of one object make in the paper.
 fn fast(paper: TrainConfig) -> TrainConfig {
     TrainConfig {
         preset: Preset::Fast,
-        relay: RelayConfig { goal_frame: GoalFrame::Relative, mirror: 0.5, ..paper.relay },
+        relay: RelayConfig {
+            reach_distance: 0.03,
+            goal_frame: GoalFrame::Relative,
+            mirror: 0.5,
+            ..paper.relay
+        },
         replay: ReplayConfig {
             batch_size: 128,
             batch_mode: BatchMode::Joint,
@@ -125,6 +130,7 @@ fn fast(paper: TrainConfig) -> TrainConfig {
             ..paper.replay
         },
         agent: AgentConfig {
+            hidden: vec![256; 2],
             critics: 2,
             policy_delay: 2,
             target_noise: 0.2,

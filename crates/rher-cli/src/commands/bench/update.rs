@@ -104,14 +104,16 @@ fn chosen(asked: &[NonZeroUsize], default: &[usize]) -> Vec<usize> {
     }
 }
 
-/// Times updates of the `fast` preset's networks on random rows.
+/// Times updates of the `fast` preset's learner, with networks of the published size, on random
+/// rows.
 fn measure(
     engine: EngineName,
     batch: usize,
     inputs: usize,
     threads: usize,
 ) -> anyhow::Result<UpdateSpeed> {
-    let config = AgentConfig { engine: engine.into(), ..Preset::Fast.config("bench", 1).agent };
+    let preset = Preset::Fast.config("bench", 1).agent;
+    let config = AgentConfig { engine: engine.into(), hidden: vec![256; 3], ..preset };
     let state = LearnerState::new(&config, inputs, ACTION, &mut Seed(0).stream(Purpose::Init, 0));
 
     let mut rng = Seed(0).stream(Purpose::Batch, 0);
