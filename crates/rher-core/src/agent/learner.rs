@@ -110,6 +110,7 @@ pub struct NotFinite {
 
 impl NotFinite {
     /// Where the gradient of a network, in the layout of `shape`, is not finite.
+    #[cfg(feature = "agent")]
     pub(super) fn find(network: &str, shape: &Shape, gradient: &[f32]) -> Option<Self> {
         let mut tensors = shape.tensors().into_iter().rev();
         let bad =
