@@ -18,7 +18,7 @@ struct Contract(Task);
 impl EnvVisitor for Contract {
     type Output = ();
 
-    fn visit<const N: usize, E: Simulated<N>>(self, build: fn() -> E) {
+    fn visit<const N: usize, E: Simulated<N>>(self, build: impl Fn() -> E + Sync) {
         let task = self.0;
         let mut env = build();
         let spec = env.spec().clone();
@@ -123,7 +123,7 @@ struct BeginSolved;
 impl EnvVisitor for BeginSolved {
     type Output = f32;
 
-    fn visit<const N: usize, E: Simulated<N>>(self, build: fn() -> E) -> f32 {
+    fn visit<const N: usize, E: Simulated<N>>(self, build: impl Fn() -> E + Sync) -> f32 {
         let mut env = build();
         let mut observation = vec![0.0; env.spec().observation];
         let mut solved = 0.0;
@@ -152,7 +152,7 @@ struct Succeed {
 impl EnvVisitor for Succeed {
     type Output = f32;
 
-    fn visit<const N: usize, E: Simulated<N>>(self, build: fn() -> E) -> f32 {
+    fn visit<const N: usize, E: Simulated<N>>(self, build: impl Fn() -> E + Sync) -> f32 {
         let mut env = build();
         let mut observation = vec![0.0; env.spec().observation];
         let mut rng = ChaCha8Rng::seed_from_u64(2);

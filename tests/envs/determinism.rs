@@ -21,7 +21,7 @@ struct Repeat(Task);
 impl EnvVisitor for Repeat {
     type Output = ();
 
-    fn visit<const N: usize, E: Simulated<N>>(self, build: fn() -> E) {
+    fn visit<const N: usize, E: Simulated<N>>(self, build: impl Fn() -> E + Sync) {
         let task = self.0;
         for seed in 0..20 {
             let first = episode(&mut build(), seed);
@@ -42,10 +42,10 @@ impl EnvVisitor for Repeat {
             run(&mut env, &actions[..cut], &mut observation);
             let state = env.state();
             run(&mut env, &actions[cut..], &mut observation);
-            env.restore(&state);
+            env.restore(&state).unwrap();
             let rest = run(&mut env, &actions[cut..], &mut observation);
             assert_eq!(first[cut..], rest, "{task} {seed}: restored at {cut}");
-            used.restore(&state);
+            used.restore(&state).unwrap();
             let rest = run(&mut used, &actions[cut..], &mut observation);
             assert_eq!(first[cut..], rest, "{task} {seed}: restored elsewhere at {cut}");
         }

@@ -5,12 +5,16 @@
 
 mod blocks;
 mod contract;
+mod cue_push;
 mod determinism;
 mod drawer;
+mod hashes;
 mod insert;
 mod mirror;
 mod obstacle_push;
+mod options;
 mod physics;
+mod pool;
 mod scripted;
 mod slide;
 mod support;

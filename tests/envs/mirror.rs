@@ -1,6 +1,6 @@
 //! The mirror image of an episode obeys the same physics.
 
-use crate::support::random_action;
+use crate::support::{random_action, seen_clearly};
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use rher_core::env::{Mirror, Reflection};
@@ -10,7 +10,7 @@ use rher_envs::{EnvVisitor, Layout, Simulated, Task};
 #[test]
 fn mirrored_actions_lead_to_mirrored_observations() {
     for task in Task::ALL {
-        task.visit(Mirrored(*task));
+        task.visit_with(&seen_clearly(*task), Mirrored(*task)).unwrap();
     }
 }
 
@@ -19,7 +19,7 @@ struct Mirrored(Task);
 impl EnvVisitor for Mirrored {
     type Output = ();
 
-    fn visit<const N: usize, E: Simulated<N>>(self, build: fn() -> E) {
+    fn visit<const N: usize, E: Simulated<N>>(self, build: impl Fn() -> E + Sync) {
         let task = self.0;
         let (mut env, mut image) = (build(), build());
         let Some(mirror) = env.spec().mirror.clone() else { return };

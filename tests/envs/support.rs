@@ -6,7 +6,7 @@ use rand_chacha::ChaCha8Rng;
 use rher_core::env::Start;
 use rher_core::goal::{Achieved, Desired, EncodedGoal, Position, Scene, Stage};
 use rher_envs::tasks::{Pick, Push};
-use rher_envs::{ACTION_WIDTH, Layout, Simulated, Simulation};
+use rher_envs::{ACTION_WIDTH, Layout, OptionValue, Options, Simulated, Simulation, Task};
 
 /// Half the edge of a block, in metres.
 pub(crate) const HALF_BLOCK: f32 = 0.025;
@@ -78,7 +78,8 @@ impl<E: Simulated<N>, const N: usize> Stand<E, N> {
     }
 
     pub(crate) fn step(&mut self, action: [f32; ACTION_WIDTH]) {
-        self.scene = self.env.step(&action, &mut self.observation).unwrap().0;
+        let action = &action[..self.env.spec().action];
+        self.scene = self.env.step(action, &mut self.observation).unwrap().0;
     }
 
     pub(crate) fn repeat(&mut self, steps: usize, action: [f32; ACTION_WIDTH]) {
@@ -142,6 +143,17 @@ pub(crate) fn is_met<const N: usize>(
 
 pub(crate) fn random_action(rng: &mut ChaCha8Rng) -> [f32; ACTION_WIDTH] {
     std::array::from_fn(|_| rng.random_range(-1.0..1.0))
+}
+
+/// The task's options, so that everything is seen where it is.
+pub(crate) fn seen_clearly(task: Task) -> Options {
+    let mut options = Options::of(task.options());
+    for (name, value) in &mut options.task.0 {
+        if name == "noise" || name == "delay" {
+            *value = OptionValue::Count(0);
+        }
+    }
+    options
 }
 
 fn nowhere<const N: usize>() -> Scene<N> {

@@ -134,7 +134,7 @@ struct Replayed {
 impl EnvVisitor for Replay {
     type Output = Vec<Replayed>;
 
-    fn visit<const N: usize, E: Simulated<N>>(self, build: fn() -> E) -> Vec<Replayed> {
+    fn visit<const N: usize, E: Simulated<N>>(self, build: impl Fn() -> E + Sync) -> Vec<Replayed> {
         let mut env = build();
         self.0.iter().map(|recording| replay(&mut env, recording)).collect()
     }

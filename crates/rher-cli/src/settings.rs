@@ -70,7 +70,7 @@ struct Objects;
 impl EnvVisitor for Objects {
     type Output = usize;
 
-    fn visit<const N: usize, E: Simulated<N>>(self, _build: fn() -> E) -> usize {
+    fn visit<const N: usize, E: Simulated<N>>(self, _build: impl Fn() -> E + Sync) -> usize {
         N
     }
 }

@@ -31,7 +31,7 @@ struct Bench<'a> {
 impl EnvVisitor for Bench<'_> {
     type Output = ();
 
-    fn visit<const N: usize, E: Simulated<N>>(self, build: fn() -> E) {
+    fn visit<const N: usize, E: Simulated<N>>(self, build: impl Fn() -> E + Sync) {
         let mut env = build();
         let mut observation = vec![0.0; env.spec().observation];
         let mut action = vec![0.0; env.spec().action];

@@ -97,7 +97,7 @@ impl EnvVisitor for Compare {
     type Output = Result<(), EnvError>;
 
     #[expect(clippy::print_stdout, reason = "a program for the terminal")]
-    fn visit<const N: usize, E: Simulated<N>>(self, build: fn() -> E) -> Self::Output {
+    fn visit<const N: usize, E: Simulated<N>>(self, build: impl Fn() -> E + Sync) -> Self::Output {
         let Self { kind, recordings } = self;
         let mut env = build();
         println!("{} {kind}", env.spec().name);

@@ -16,12 +16,16 @@
 //! ```
 
 mod observation;
+mod options;
+mod pool;
 mod sim;
 mod simulation;
 mod task;
 pub mod tasks;
 
 pub use observation::Sink;
+pub use options::{OptionError, OptionValue, Options, Randomize, TaskOption, TaskOptions};
+pub use pool::{AutoReset, Frames, Pool, PoolError};
 pub use sim::World;
-pub use simulation::{ACTION_WIDTH, Layout, Scenario, Simulated, Simulation, State};
+pub use simulation::{ACTION_WIDTH, Layout, OtherOptions, Scenario, Simulated, Simulation, State};
 pub use task::{EnvVisitor, Task, UnknownTask};

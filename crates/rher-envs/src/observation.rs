@@ -140,6 +140,16 @@ pub(crate) fn tip_and_place(tip: Position, place: Position, grip: &Grip, out: &m
     out.fingers(grip.opening_velocity.map(|v| v * STEP_SECONDS));
 }
 
+/// Writes the 15 numbers of `cue-push`: the cue's tip (3), object (3), object − tip (3), what the
+/// tip has moved by in a step (3), and the object (3).
+pub(crate) fn cue_and_object(tip: &Grip, object: &Motion, out: &mut impl Sink) {
+    out.position(tip.position);
+    out.position(object.position);
+    out.vector(object.position - tip.position);
+    out.vector(tip.velocity * STEP_SECONDS);
+    out.vector(object.velocity * STEP_SECONDS);
+}
+
 /// Rotations about x, y and z, each about the axes as turned by those before it, in radians: the
 /// convention of Gymnasium-Robotics.
 fn euler_angles(rotation: &UnitQuaternion<f32>) -> Vector3<f32> {

@@ -1,6 +1,7 @@
 //! From a [`Scenario`] to an environment.
 
 use crate::observation::{Numbers, Reflections, Sink};
+use crate::options::{OptionError, Options, Randomize, TaskOption, TaskOptions};
 use crate::sim::{self, World};
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
@@ -29,11 +30,20 @@ pub trait Scenario<const N: usize>: Sized + Send + 'static {
     /// How many sub-tasks there are to learn.
     const SUBTASKS: usize = 2 * N;
 
-    /// How near counts as there, in metres.
+    /// How near an object counts as at its target, in metres.
     const TOLERANCE: f32 = 0.05;
+
+    /// How near the gripper counts as at an object, in metres.
+    const REACH_TOLERANCE: f32 = Self::TOLERANCE;
+
+    /// What can be set about this task and no other.
+    const OPTIONS: &'static [TaskOption] = &[];
 
     /// Sets the scene.
     fn build() -> (Self, World);
+
+    /// Changes the scene to what is set.
+    fn configure(&mut self, _options: &TaskOptions, _world: &mut World) {}
 
     /// Draws the beginning of an episode.
     fn draw(rng: &mut ChaCha8Rng) -> Layout<N>;
@@ -78,6 +88,8 @@ pub trait Simulated<const N: usize>: Env<N> + 'static {
     type State: Clone + Send + 'static;
 
     /// Starts an episode from a chosen layout and writes its first observation.
+    ///
+    /// What is randomised is that of seed 0.
     fn arrange(&mut self, layout: Layout<N>, observation: &mut [f32])
     -> Result<Start<N>, EnvError>;
 
@@ -85,12 +97,22 @@ pub trait Simulated<const N: usize>: Env<N> + 'static {
     fn state(&self) -> Self::State;
 
     /// Goes on from a state, bitwise as the environment did that it was taken from.
-    fn restore(&mut self, state: &Self::State);
+    ///
+    /// States of other tasks are other types; one of an environment with other options is an
+    /// error.
+    fn restore(&mut self, state: &Self::State) -> Result<(), OtherOptions>;
+
+    /// Where everything really is; nothing if that is where it is seen.
+    fn truth(&mut self) -> Option<Achieved<N>>;
+
+    /// What was set when it was made.
+    fn options(&self) -> &Options;
 }
 
 /// A [`Scenario`] in a world of its own.
 pub struct Simulation<S, const N: usize> {
     spec: EnvSpec<N>,
+    options: Options,
     scenario: S,
     world: World,
     layout: Layout<N>,
@@ -100,22 +122,40 @@ pub struct Simulation<S, const N: usize> {
 pub struct State<S, const N: usize> {
     world: sim::State,
     layout: Layout<N>,
+    options: Options,
     scenario: PhantomData<fn() -> S>,
 }
 
 impl<S, const N: usize> Clone for State<S, N> {
     fn clone(&self) -> Self {
-        Self { world: self.world.clone(), layout: self.layout, scenario: PhantomData }
+        Self {
+            world: self.world.clone(),
+            layout: self.layout,
+            options: self.options.clone(),
+            scenario: PhantomData,
+        }
     }
 }
 
 impl<S: Scenario<N>, const N: usize> Simulation<S, N> {
-    /// Sets the scene, as if episode 0 had been reset.
+    /// Sets the scene, every option at its default.
     #[must_use]
     pub fn new() -> Self {
-        let (scenario, mut world) = S::build();
-        let layout = draw::<S, N>(0);
-        scenario.place(&layout, &mut world);
+        Self::built(&Options::of(S::OPTIONS))
+    }
+
+    /// Sets the scene as `options` have it.
+    pub fn with(options: &Options) -> Result<Self, OptionError> {
+        Ok(Self::built(&options.check(S::OPTIONS)?))
+    }
+
+    /// Sets the scene as `options` have it, which fit: as if episode 0 had been reset.
+    pub(crate) fn built(options: &Options) -> Self {
+        let (mut scenario, mut world) = S::build();
+        scenario.configure(&options.task, &mut world);
+        let mut rng = ChaCha8Rng::seed_from_u64(0);
+        let layout = S::draw(&mut rng);
+        begin(&scenario, &layout, &options.randomize, rng, &mut world);
 
         let mut reflections = Reflections::new(MIDDLE);
         scenario.observe(&layout, &world, &mut reflections);
@@ -126,7 +166,7 @@ impl<S: Scenario<N>, const N: usize> Simulation<S, N> {
             action: S::ACTION_WIDTH,
             episode_steps: S::EPISODE_STEPS,
             subtasks: S::SUBTASKS,
-            tolerances: Tolerances::uniform(S::TOLERANCE),
+            tolerances: Tolerances { gripper: S::REACH_TOLERANCE, objects: [S::TOLERANCE; N] },
             mirror: Some(Mirror {
                 axis: 1,
                 centre: MIDDLE,
@@ -134,17 +174,49 @@ impl<S: Scenario<N>, const N: usize> Simulation<S, N> {
                 action: mirrored_action(S::ACTION_WIDTH),
             }),
         };
-        Self { spec, scenario, world, layout }
+        Self { spec, options: options.clone(), scenario, world, layout }
+    }
+
+    /// Starts an episode from `layout`, with all else drawn from `rng`.
+    fn start(
+        &mut self,
+        layout: Layout<N>,
+        rng: ChaCha8Rng,
+        observation: &mut [f32],
+    ) -> Result<Start<N>, EnvError> {
+        self.layout = layout;
+        self.world.reset();
+        begin(&self.scenario, &layout, &self.options.randomize, rng, &mut self.world);
+        let achieved = self.observe(observation)?;
+        Ok(Start { achieved, desired: Desired::of_task(layout.targets) })
     }
 
     fn observe(&self, observation: &mut [f32]) -> Result<Achieved<N>, EnvError> {
         check_width("observation", self.spec.observation, observation.len())?;
         self.scenario.observe(&self.layout, &self.world, &mut Numbers::new(observation));
-        Ok(Achieved(Scene {
-            gripper: self.scenario.gripper(&self.world),
-            objects: self.scenario.objects(&self.layout, &self.world),
-        }))
+        Ok(achieved(&self.scenario, &self.layout, &self.world))
     }
+}
+
+fn achieved<S: Scenario<N>, const N: usize>(
+    scenario: &S,
+    layout: &Layout<N>,
+    world: &World,
+) -> Achieved<N> {
+    Achieved(Scene { gripper: scenario.gripper(world), objects: scenario.objects(layout, world) })
+}
+
+/// Makes an episode of a fresh world.
+fn begin<S: Scenario<N>, const N: usize>(
+    scenario: &S,
+    layout: &Layout<N>,
+    randomize: &Randomize,
+    mut rng: ChaCha8Rng,
+    world: &mut World,
+) {
+    world.vary(randomize, &mut rng);
+    scenario.place(layout, world);
+    world.open_eyes(randomize, rng);
 }
 
 impl<S: Scenario<N>, const N: usize> Default for Simulation<S, N> {
@@ -159,7 +231,9 @@ impl<S: Scenario<N>, const N: usize> Env<N> for Simulation<S, N> {
     }
 
     fn reset(&mut self, seed: u64, observation: &mut [f32]) -> Result<Start<N>, EnvError> {
-        self.arrange(draw::<S, N>(seed), observation)
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let layout = S::draw(&mut rng);
+        self.start(layout, rng, observation)
     }
 
     fn step(&mut self, action: &[f32], observation: &mut [f32]) -> Result<Achieved<N>, EnvError> {
@@ -176,21 +250,46 @@ impl<S: Scenario<N>, const N: usize> Simulated<N> for Simulation<S, N> {
         layout: Layout<N>,
         observation: &mut [f32],
     ) -> Result<Start<N>, EnvError> {
-        self.layout = layout;
-        self.world.reset();
-        self.scenario.place(&layout, &mut self.world);
-        let achieved = self.observe(observation)?;
-        Ok(Start { achieved, desired: Desired::of_task(layout.targets) })
+        self.start(layout, ChaCha8Rng::seed_from_u64(0), observation)
+    }
+
+    fn truth(&mut self) -> Option<Achieved<N>> {
+        let Self { scenario, layout, world, .. } = self;
+        world.bare(|world| achieved(scenario, layout, world))
+    }
+
+    fn options(&self) -> &Options {
+        &self.options
     }
 
     fn state(&self) -> State<S, N> {
-        State { world: self.world.state().clone(), layout: self.layout, scenario: PhantomData }
+        State {
+            world: self.world.state().clone(),
+            layout: self.layout,
+            options: self.options.clone(),
+            scenario: PhantomData,
+        }
     }
 
-    fn restore(&mut self, state: &State<S, N>) {
+    fn restore(&mut self, state: &State<S, N>) -> Result<(), OtherOptions> {
+        if state.options != self.options {
+            let (expected, found) = (self.options.clone(), state.options.clone());
+            return Err(OtherOptions { expected: Box::new(expected), found: Box::new(found) });
+        }
         self.world.restore(&state.world);
         self.layout = state.layout;
+        Ok(())
     }
+}
+
+/// A state was taken from an environment that was made with other options.
+#[derive(Debug, thiserror::Error)]
+#[error("the state is of an environment with {found:?}, expected {expected:?}")]
+pub struct OtherOptions {
+    /// Options of the environment.
+    pub expected: Box<Options>,
+    /// Options of the state.
+    pub found: Box<Options>,
 }
 
 /// An action or a buffer does not fit.
@@ -200,10 +299,6 @@ enum InputError {
     Width { what: &'static str, expected: usize, got: usize },
     #[error("number {index} of the action is {value}")]
     NotFinite { index: usize, value: f32 },
-}
-
-fn draw<S: Scenario<N>, const N: usize>(seed: u64) -> Layout<N> {
-    S::draw(&mut ChaCha8Rng::seed_from_u64(seed))
 }
 
 /// Every number within [−1, 1].

@@ -1,5 +1,6 @@
 //! From a task's name, known at run time, to its environment, known at compile time.
 
+use crate::options::{OptionError, Options, TaskOption};
 use crate::simulation::{Simulated, Simulation};
 use crate::tasks;
 use std::fmt;
@@ -11,7 +12,7 @@ pub trait EnvVisitor {
     type Output;
 
     /// Does the work; `build` makes as many environments as it takes.
-    fn visit<const N: usize, E: Simulated<N>>(self, build: fn() -> E) -> Self::Output;
+    fn visit<const N: usize, E: Simulated<N>>(self, build: impl Fn() -> E + Sync) -> Self::Output;
 }
 
 /// The list of tasks: variant, scenario, objects.
@@ -40,6 +41,27 @@ macro_rules! tasks {
                     $(Self::$task => visitor.visit(Simulation::<$scenario, $objects>::new),)+
                 }
             }
+
+            /// Hands the environment of this task, under these options, to `visitor`.
+            pub fn visit_with<V: EnvVisitor>(
+                self,
+                options: &Options,
+                visitor: V,
+            ) -> Result<V::Output, OptionError> {
+                let options = options.check(self.options())?;
+                Ok(match self {
+                    $(Self::$task => {
+                        visitor.visit(|| Simulation::<$scenario, $objects>::built(&options))
+                    })+
+                })
+            }
+
+            /// What can be set about this task and no other.
+            pub const fn options(self) -> &'static [TaskOption] {
+                match self {
+                    $(Self::$task => <$scenario as crate::simulation::Scenario<$objects>>::OPTIONS,)+
+                }
+            }
         }
     };
 }
@@ -59,6 +81,8 @@ tasks! {
     ObstaclePush: tasks::ObstaclePush, 1;
     /// Pull a drawer open by its handle.
     Drawer: tasks::Drawer, 1;
+    /// Push a cylinder to a place on the table with a cue.
+    CuePush: tasks::CuePush, 1;
     /// Push two blocks, each to its place on the table.
     DPush: tasks::DPush, 2;
     /// Bring a block to a place on the table, and another on top of it.

@@ -76,7 +76,7 @@ struct Evaluate<'a> {
 impl EnvVisitor for Evaluate<'_> {
     type Output = anyhow::Result<Evaluation>;
 
-    fn visit<const N: usize, E: Simulated<N>>(self, build: fn() -> E) -> Self::Output {
+    fn visit<const N: usize, E: Simulated<N>>(self, build: impl Fn() -> E + Sync) -> Self::Output {
         let Self { policy, config, test_policy, workers } = self;
         let pool = rayon::ThreadPoolBuilder::new().num_threads(workers).build()?;
         let mut envs: Vec<E> = (0..workers).map(|_| build()).collect();

@@ -29,7 +29,7 @@ struct Describe;
 impl EnvVisitor for Describe {
     type Output = TaskFacts;
 
-    fn visit<const N: usize, E: Simulated<N>>(self, build: fn() -> E) -> TaskFacts {
+    fn visit<const N: usize, E: Simulated<N>>(self, build: impl Fn() -> E + Sync) -> TaskFacts {
         let env = build();
         let spec = env.spec();
         TaskFacts {

@@ -82,7 +82,7 @@ enum Start {
 impl EnvVisitor for Session {
     type Output = anyhow::Result<Status>;
 
-    fn visit<const N: usize, E: Simulated<N>>(self, build: fn() -> E) -> Self::Output {
+    fn visit<const N: usize, E: Simulated<N>>(self, build: impl Fn() -> E + Sync) -> Self::Output {
         let Self { folder, config, start, workers, printer } = self;
         let envs: Vec<E> = (0..config.envs.max(workers)).map(|_| build()).collect();
         let (trainer, metrics) = match start {

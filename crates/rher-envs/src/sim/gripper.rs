@@ -8,10 +8,12 @@ use super::scenery::with_friction;
 use super::{nalgebra, point};
 use ::nalgebra::{ComplexField, Vector3};
 use rapier3d::prelude::{
-    ColliderBuilder, ColliderSet, ImpulseJointHandle, ImpulseJointSet, JointAxis, MotorModel,
-    PrismaticJointBuilder, RigidBody, RigidBodyBuilder, RigidBodyHandle, RigidBodySet, Vector,
+    CoefficientCombineRule, ColliderBuilder, ColliderSet, ImpulseJointHandle, ImpulseJointSet,
+    JointAxis, MotorModel, PrismaticJointBuilder, RigidBody, RigidBodyBuilder, RigidBodyHandle,
+    RigidBodySet, Vector,
 };
 use rher_core::goal::Position;
+use std::f32::consts::FRAC_PI_2;
 
 /// Half the edges of a finger, in metres: thick, wide along the closing axis y, long.
 const FINGER_HALF: Vector = Vector::new(0.0135, 0.007, 0.0385);
@@ -27,6 +29,15 @@ const FINGER_HEIGHT: f32 = 0.019;
 
 /// How far a finger opens, in metres.
 const FINGER_RANGE: f32 = 0.05;
+
+/// Radius of a cue, in metres.
+pub(crate) const CUE_RADIUS: f32 = 0.005;
+
+/// Half the length of a cue, in metres.
+const CUE_HALF_LENGTH: f32 = 0.05;
+
+/// Coefficient of friction of a cue: smooth metal.
+const CUE_FRICTION: f32 = 0.1;
 
 /// Angular frequency of the hand's answer, in radians per second.
 const HAND_FREQUENCY: f32 = 50.5;
@@ -90,6 +101,8 @@ pub(crate) enum Fingers {
     Locked,
     /// They open and close.
     Free,
+    /// In their place a thin upright rod, smooth, of metal.
+    Cue,
 }
 
 /// The gripper at one moment, in the world frame.
@@ -111,6 +124,8 @@ pub(super) struct Gripper {
     hand: Hand,
     lead: Lead,
     opening: Opening,
+    /// From the hand's centre down to the grip centre, in metres.
+    height: f32,
     /// From where the robot stands in `FetchPush` to where it stands.
     robot: Vector,
     range: HandRange,
@@ -121,13 +136,14 @@ pub(super) struct Gripper {
 pub(super) struct HandRange {
     /// How far an action of 1 moves the point that the hand is after, in metres.
     pub(super) per_step: f32,
-    /// Height below which no action brings the grip centre, in metres.
-    pub(super) lowest: f32,
+    /// The box that actions keep the grip centre in, from its lowest corner to its highest.
+    pub(super) corners: [Vector; 2],
 }
 
 impl Default for HandRange {
     fn default() -> Self {
-        Self { per_step: 0.05, lowest: f32::NEG_INFINITY }
+        let everywhere = [Vector::splat(f32::NEG_INFINITY), Vector::splat(f32::INFINITY)];
+        Self { per_step: 0.05, corners: everywhere }
     }
 }
 
@@ -174,26 +190,30 @@ impl Gripper {
         colliders: &mut ColliderSet,
         joints: &mut ImpulseJointSet,
     ) -> Self {
-        let centre = home + Vector::Z * FINGER_HEIGHT;
-        let mut add = |y: f32, half: Vector, mass: f32| {
+        let height = match fingers {
+            Fingers::Locked | Fingers::Free => FINGER_HEIGHT,
+            Fingers::Cue => CUE_HALF_LENGTH,
+        };
+        let centre = home + Vector::Z * height;
+        let mut add = |y: f32, shape: ColliderBuilder, mass: f32| {
             let body = RigidBodyBuilder::dynamic()
                 .translation(centre + Vector::Y * y)
                 .lock_rotations()
                 .gravity_scale(0.0)
                 .can_sleep(false);
             let body = bodies.insert(body);
-            let shape = with_friction(ColliderBuilder::cuboid(half.x, half.y, half.z)).mass(mass);
-            colliders.insert_with_parent(shape, body, bodies);
+            colliders.insert_with_parent(shape.mass(mass), body, bodies);
             body
         };
+        let finger = |half: Vector| with_friction(ColliderBuilder::cuboid(half.x, half.y, half.z));
         let hand = match fingers {
             Fingers::Locked => {
                 let half = Vector::new(FINGER_HALF.x, FINGER_OFFSET + FINGER_HALF.y, FINGER_HALF.z);
-                Hand::Closed(add(0.0, half, 2.0 * FINGER_MASS))
+                Hand::Closed(add(0.0, finger(half), 2.0 * FINGER_MASS))
             }
             Fingers::Free => {
-                let fingers =
-                    [FINGER_OFFSET, -FINGER_OFFSET].map(|y| add(y, FINGER_HALF, FINGER_MASS));
+                let fingers = [FINGER_OFFSET, -FINGER_OFFSET]
+                    .map(|y| add(y, finger(FINGER_HALF), FINGER_MASS));
                 let joint = PrismaticJointBuilder::new(Vector::Y)
                     .local_anchor1(Vector::Y * (2.0 * FINGER_OFFSET))
                     .limits([0.0, 2.0 * FINGER_RANGE])
@@ -203,11 +223,20 @@ impl Gripper {
                     .contacts_enabled(false);
                 Hand::Fingers(fingers, joints.insert(fingers[1], fingers[0], joint, true))
             }
+            Fingers::Cue => {
+                let rod = ColliderBuilder::cylinder(CUE_HALF_LENGTH, CUE_RADIUS)
+                    // The axis of Rapier's cylinders is y.
+                    .rotation(Vector::X * FRAC_PI_2)
+                    .friction(CUE_FRICTION)
+                    .friction_combine_rule(CoefficientCombineRule::Min);
+                Hand::Closed(add(0.0, rod, 2.0 * FINGER_MASS))
+            }
         };
         Self {
             hand,
             lead: Lead { position: centre, velocity: Vector::ZERO, target: centre },
             opening: Opening { position: 0.0, velocity: 0.0, target: 0.0 },
+            height,
             robot: Vector::ZERO,
             range: HandRange::default(),
         }
@@ -227,10 +256,11 @@ impl Gripper {
     pub(super) fn aim(&mut self, action: [f32; 4], bodies: &RigidBodySet) {
         let [x, y, z, opening] = action;
         let (position, velocity) = self.hand.centre(bodies);
-        let reach = position - self.robot;
-        let recoil = STRETCHED.at(reach) + FOLDED.at(reach);
-        self.lead.aim(Vector::new(x, y, z) * self.range.per_step + recoil, position, velocity);
-        self.lead.target.z = self.lead.target.z.max(self.range.lowest + FINGER_HEIGHT);
+        let reach = position - self.robot - Vector::Z * self.height;
+        self.lead.aim(Vector::new(x, y, z) * self.range.per_step, position, velocity);
+        self.lead.target = self.lead.target + STRETCHED.at(reach) + FOLDED.at(reach);
+        let [lowest, highest] = self.range.corners.map(|corner| corner + Vector::Z * self.height);
+        self.lead.target = self.lead.target.clamp(lowest, highest);
         if let Hand::Fingers(fingers, _) = self.hand {
             self.opening.aim(opening, gap(fingers, bodies).0);
         }
@@ -283,7 +313,7 @@ impl Gripper {
             Hand::Fingers(fingers, _) => gap(fingers, bodies),
         };
         Grip {
-            position: point(centre - Vector::Z * FINGER_HEIGHT),
+            position: point(centre - Vector::Z * self.height),
             velocity: nalgebra(velocity),
             opening: [opening; 2],
             opening_velocity: [opening_velocity; 2],
@@ -341,9 +371,9 @@ impl Lead {
 }
 
 impl Recoil {
-    /// How far the hand's target is drawn back.
+    /// How far the target of a hand with its grip centre at `hand` is drawn back.
     fn at(&self, hand: Vector) -> Vector {
-        let arm = hand - Vector::Z * FINGER_HEIGHT - self.centre;
+        let arm = hand - self.centre;
         let length = arm.length();
         let beyond = length - self.radius;
         if (beyond < 0.0) == self.inside {

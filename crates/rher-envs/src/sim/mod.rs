@@ -3,13 +3,19 @@
 //! Rapier and its math stay inside this module; what leaves it speaks nalgebra.
 
 mod cabinet;
+mod camera;
 mod gripper;
 mod scenery;
+mod variation;
 
 pub(crate) use cabinet::Cabinet;
-pub(crate) use gripper::{Fingers, Grip};
-pub(crate) use scenery::{BLOCK_EDGE, OBSTACLE_HALF, PLATE_HEIGHT, PUCK_HEIGHT};
+pub(crate) use camera::LONGEST_DELAY;
+pub(crate) use gripper::{CUE_RADIUS, Fingers, Grip};
+pub(crate) use scenery::{
+    BLOCK_EDGE, CYLINDER_HEIGHT, CYLINDER_RADIUS, OBSTACLE_HALF, PLATE_HEIGHT, PUCK_HEIGHT,
+};
 
+use camera::Camera;
 use gripper::{Gripper, HandRange};
 use nalgebra::{ComplexField, Point3, Quaternion, UnitQuaternion, Vector3};
 use rapier3d::prelude::{
@@ -18,6 +24,7 @@ use rapier3d::prelude::{
     RigidBodySet, Rotation, SoftBodySet, SpringCoefficients, Vector,
 };
 use rher_core::goal::Position;
+use variation::{Late, Loose};
 
 /// Duration of an environment step, in seconds: 20 `MuJoCo` steps of 2 ms in the Fetch environments.
 pub(crate) const STEP_SECONDS: f32 = 0.04;
@@ -53,8 +60,21 @@ pub struct World {
     parameters: IntegrationParameters,
     multibody_joints: MultibodyJointSet,
     soft_bodies: SoftBodySet,
+    /// What looks at hand and objects; where there is none they are seen where they are.
+    watch: Option<Watch>,
+    /// Whether everything is told as it is, and not as it is seen.
+    is_bare: bool,
     state: State,
     initial: State,
+}
+
+/// How well a camera sees.
+#[derive(Clone, Copy)]
+struct Watch {
+    /// Standard deviation of each coordinate, in metres.
+    noise: f32,
+    /// Steps by which it is late.
+    delay: usize,
 }
 
 /// Everything that changes in a [`World`]: equal states have bitwise equal futures.
@@ -68,10 +88,13 @@ pub(crate) struct State {
     joints: ImpulseJointSet,
     continuous: CCDSolver,
     gripper: Gripper,
+    loose: Vec<Loose>,
+    camera: Option<Camera>,
+    late: Late,
 }
 
 /// A thing in a [`World`] that is placed when an episode begins.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq)]
 pub(crate) struct Body(RigidBodyHandle);
 
 /// Where a [`Body`] is and how it moves, in the world frame.
@@ -104,6 +127,7 @@ impl World {
             bodies,
             colliders,
             joints,
+            loose: Vec::new(),
             robot: Vector3::zeros(),
             hand_range: HandRange::default(),
         };
@@ -120,12 +144,17 @@ impl World {
             joints: scenery.joints,
             continuous: CCDSolver::new(),
             gripper,
+            loose: scenery.loose,
+            camera: None,
+            late: Late::default(),
         };
         let world = Self {
             pipeline: PhysicsPipeline::new(),
             parameters: parameters(),
             multibody_joints: MultibodyJointSet::new(),
             soft_bodies: SoftBodySet::new(),
+            watch: None,
+            is_bare: false,
             state: initial.clone(),
             initial,
         };
@@ -140,7 +169,11 @@ impl World {
     }
 
     /// Moves a body that no step has moved yet, and turns it about the vertical, by radians.
-    pub(crate) fn place(&mut self, body: Body, position: Position, turn: f32) {
+    ///
+    /// One that is larger than usual is put higher by as much as keeps its underside in place.
+    pub(crate) fn place(&mut self, body: Body, mut position: Position, turn: f32) {
+        let loose = self.state.loose.iter().find(|loose| loose.body == body);
+        position.z += loose.map_or(0.0, |loose| loose.raised);
         // nalgebra's, since those of std differ between platforms.
         let (sine, cosine) = ComplexField::sin_cos(turn / 2.0);
         let rotation = Rotation::from_xyzw(0.0, 0.0, sine, cosine);
@@ -160,8 +193,10 @@ impl World {
             joints,
             continuous,
             gripper,
+            late,
+            ..
         } = &mut self.state;
-        gripper.aim(action, bodies);
+        gripper.aim(late.after(action), bodies);
         for _ in 0..SUBSTEPS {
             gripper.drive(bodies, joints, SUBSTEP_SECONDS);
             self.pipeline.step(
@@ -180,23 +215,48 @@ impl World {
                 &(),
             );
         }
+        self.look();
     }
 
-    /// The gripper now.
+    /// The gripper now, as it is seen.
     pub(crate) fn grip(&self) -> Grip {
-        self.state.gripper.grip(&self.state.bodies)
+        let mut grip = self.state.gripper.grip(&self.state.bodies);
+        if let (Some(camera), Some(_), false) = (&self.state.camera, self.watch, self.is_bare) {
+            let (position, step) = camera.sees(0);
+            grip.position = point(position);
+            grip.velocity = nalgebra(step) / STEP_SECONDS;
+        }
+        grip
     }
 
-    /// A body now.
+    /// A body now, as it is seen.
     pub(crate) fn motion(&self, body: Body) -> Motion {
+        let thing = self.state.loose.iter().position(|loose| loose.body == body);
         let body = &self.state.bodies[body.0];
         let [x, y, z, w] = body.rotation().to_array();
-        Motion {
+        let mut motion = Motion {
             position: nalgebra(body.translation()).into(),
             rotation: UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z)),
             velocity: nalgebra(body.linvel()),
             spin: nalgebra(body.angvel()),
+        };
+        if let (Some(camera), Some(thing), false) = (&self.state.camera, thing, self.is_bare) {
+            let (position, step) = camera.sees(1 + thing);
+            motion.position = point(position);
+            if self.watch.is_some() {
+                motion.velocity = nalgebra(step) / STEP_SECONDS;
+            }
         }
+        motion
+    }
+
+    /// What `tell` says of a world without a camera; nothing if it has none.
+    pub(crate) fn bare<T>(&mut self, tell: impl FnOnce(&Self) -> T) -> Option<T> {
+        self.state.camera.as_ref()?;
+        self.is_bare = true;
+        let told = tell(self);
+        self.is_bare = false;
+        Some(told)
     }
 
     /// The state now.
@@ -215,6 +275,8 @@ pub(crate) struct Scenery {
     bodies: RigidBodySet,
     colliders: ColliderSet,
     joints: ImpulseJointSet,
+    /// What can be moved freely.
+    loose: Vec<Loose>,
     /// From where the robot stands in `FetchPush` to where it stands here, in metres.
     robot: Vector3<f32>,
     hand_range: HandRange,

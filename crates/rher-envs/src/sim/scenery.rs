@@ -1,8 +1,11 @@
 //! What stands around the gripper.
 
+use super::variation::Loose;
 use super::{Body, Scenery, glam};
 use nalgebra::Vector3;
-use rapier3d::prelude::{CoefficientCombineRule, ColliderBuilder, RigidBodyBuilder, Vector};
+use rapier3d::prelude::{
+    CoefficientCombineRule, ColliderBuilder, RigidBodyBuilder, RigidBodyHandle, Vector,
+};
 use rher_core::goal::Position;
 use std::f32::consts::FRAC_PI_2;
 
@@ -32,6 +35,18 @@ const PUCK_MASS: f32 = 2.0;
 
 /// Coefficient of friction of the puck and of the table it slides on.
 const SLIPPERY: f32 = 0.1;
+
+/// Metres.
+pub(crate) const CYLINDER_RADIUS: f32 = 0.025;
+
+/// Metres.
+pub(crate) const CYLINDER_HEIGHT: f32 = 0.03;
+
+/// Kilograms: beech.
+const CYLINDER_MASS: f32 = 0.04;
+
+/// Coefficient of friction of planed wood on planed wood.
+const WOOD_ON_WOOD: f32 = 0.4;
 
 /// Half the edges of the obstacle, in metres.
 pub(crate) const OBSTACLE_HALF: [f32; 3] = [0.01, 0.04, 0.025];
@@ -68,7 +83,7 @@ impl Scenery {
         let body = self.bodies.insert(body.can_sleep(false));
         let cube = with_friction(ColliderBuilder::cuboid(half, half, half)).mass(mass);
         self.colliders.insert_with_parent(cube, body, &mut self.bodies);
-        Body(body)
+        self.loose(body)
     }
 
     /// Makes an action of 1 move the hand's target by `per_step` metres instead of 5 cm.
@@ -78,7 +93,7 @@ impl Scenery {
 
     /// Lets no action bring the grip centre below a height, in metres.
     pub(crate) fn keep_hand_above(&mut self, height: f32) {
-        self.hand_range.lowest = height;
+        self.hand_range.corners[0].z = height;
     }
 
     /// The table of Drawer and `DrawerBox`: its top is 0.32 m high.
@@ -111,6 +126,35 @@ impl Scenery {
             .friction(SLIPPERY)
             .mass(PUCK_MASS);
         self.colliders.insert_with_parent(disc, body, &mut self.bodies);
+        self.loose(body)
+    }
+
+    /// A table of smooth wood: its top is 0.4 m high.
+    pub(crate) fn wooden_table(&mut self) {
+        let top = ColliderBuilder::cuboid(0.25, 0.35, 0.2).friction(WOOD_ON_WOOD);
+        self.colliders.insert(top.translation(Vector::new(1.3, 0.75, 0.2)));
+    }
+
+    /// An upright cylinder of wood, of 5 cm across and 3 cm high.
+    pub(crate) fn wooden_cylinder(&mut self) -> Body {
+        let body = self.bodies.insert(RigidBodyBuilder::dynamic().can_sleep(false));
+        let cylinder = ColliderBuilder::cylinder(CYLINDER_HEIGHT / 2.0, CYLINDER_RADIUS)
+            // The axis of Rapier's cylinders is y.
+            .rotation(Vector::X * FRAC_PI_2)
+            .friction(WOOD_ON_WOOD)
+            .mass(CYLINDER_MASS);
+        self.colliders.insert_with_parent(cylinder, body, &mut self.bodies);
+        self.loose(body)
+    }
+
+    /// Keeps the grip centre in a box, from its lowest corner to its highest.
+    pub(crate) fn limit_hand(&mut self, lowest: Position, highest: Position) {
+        self.hand_range.corners = [glam(lowest.coords), glam(highest.coords)];
+    }
+
+    /// Says that a body can be moved freely.
+    fn loose(&mut self, body: RigidBodyHandle) -> Body {
+        self.loose.push(Loose::new(Body(body)));
         Body(body)
     }
 

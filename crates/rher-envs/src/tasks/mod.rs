@@ -1,6 +1,7 @@
 //! The tasks, one file each.
 
 mod blocks;
+mod cue_push;
 mod dpush;
 mod drawer;
 mod drawer_box;
@@ -14,6 +15,7 @@ mod stack;
 mod tpush;
 mod tstack;
 
+pub use cue_push::CuePush;
 pub use dpush::DPush;
 pub use drawer::Drawer;
 pub use drawer_box::DrawerBox;

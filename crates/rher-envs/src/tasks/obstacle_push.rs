@@ -2,8 +2,10 @@
 
 use super::blocks::{ON_TABLE, are_clear_of, draw_places};
 use crate::observation::{Sink, gripper_and_object};
+use crate::options::{TaskOption, TaskOptions};
 use crate::sim::{BLOCK_EDGE, Body, Fingers, OBSTACLE_HALF, World};
 use crate::simulation::{Layout, Scenario};
+use nalgebra::Vector3;
 use rand_chacha::ChaCha8Rng;
 use rher_core::goal::Position;
 
@@ -18,17 +20,26 @@ const SPREAD: f32 = 0.15;
 pub struct ObstaclePush {
     block: Body,
     obstacle: Body,
+    shows_obstacle: bool,
 }
+
+/// Whether the observation says where the obstacle is; if not, those three numbers are 0.
+const OBSERVE_OBSTACLE: TaskOption = TaskOption::flag("observe_obstacle", true);
 
 impl Scenario<1> for ObstaclePush {
     const NAME: &'static str = "obstacle-push";
+    const OPTIONS: &'static [TaskOption] = &[OBSERVE_OBSTACLE];
 
     fn build() -> (Self, World) {
         let (world, (block, obstacle)) = World::new(Fingers::Locked, ON_TABLE, |scenery| {
             scenery.table();
             (scenery.block(), scenery.obstacle())
         });
-        (Self { block, obstacle }, world)
+        (Self { block, obstacle, shows_obstacle: true }, world)
+    }
+
+    fn configure(&mut self, options: &TaskOptions, _: &mut World) {
+        self.shows_obstacle = options.flag(&OBSERVE_OBSTACLE);
     }
 
     fn draw(rng: &mut ChaCha8Rng) -> Layout<1> {
@@ -51,7 +62,11 @@ impl Scenario<1> for ObstaclePush {
 
     fn observe(&self, layout: &Layout<1>, world: &World, out: &mut impl Sink) {
         gripper_and_object(&world.grip(), &world.motion(self.block), out);
-        out.position(obstacle(layout.objects[0]));
+        if self.shows_obstacle {
+            out.position(obstacle(layout.objects[0]));
+        } else {
+            out.vector(Vector3::zeros());
+        }
     }
 }
 

@@ -55,7 +55,7 @@ struct Measure {
 impl EnvVisitor for Measure {
     type Output = anyhow::Result<EnvSpeed>;
 
-    fn visit<const N: usize, E: Simulated<N>>(self, build: fn() -> E) -> Self::Output {
+    fn visit<const N: usize, E: Simulated<N>>(self, build: impl Fn() -> E + Sync) -> Self::Output {
         let mut env = build();
         play(&mut env, WARM_UP)?;
         let Spent { resets, resetting, steps, stepping } = play(&mut env, MEASURED)?;

@@ -1,0 +1,113 @@
+//! What differs between the episodes of one world.
+
+use super::camera::Camera;
+use super::{Body, Watch, World};
+use crate::options::{Randomize, draw};
+use rand::RngExt as _;
+use rand_chacha::ChaCha8Rng;
+use rapier3d::prelude::{Collider, Vector};
+
+/// A body that can be moved freely.
+#[derive(Clone, Copy)]
+pub(super) struct Loose {
+    pub(super) body: Body,
+    /// How much higher its middle is than if it had its usual size, in metres.
+    pub(super) raised: f32,
+}
+
+impl Loose {
+    /// A body of its usual size.
+    pub(super) fn new(body: Body) -> Self {
+        Self { body, raised: 0.0 }
+    }
+}
+
+/// Actions that are carried out a few steps after they were chosen.
+#[derive(Clone, Default)]
+pub(super) struct Late {
+    steps: usize,
+    /// The newest first.
+    chosen: [[f32; 4]; Randomize::LONGEST_DELAY + 1],
+}
+
+impl Late {
+    /// The action to carry out in the step in which `action` is chosen.
+    pub(super) fn after(&mut self, action: [f32; 4]) -> [f32; 4] {
+        self.chosen.rotate_right(1);
+        self.chosen[0] = action;
+        self.chosen[self.steps]
+    }
+}
+
+impl World {
+    /// Puts a camera in front of hand and objects: whatever is told of their places and velocities
+    /// is what it sees.
+    pub(crate) fn watch(&mut self, noise: f32, delay: usize) {
+        self.watch = Some(Watch { noise, delay });
+    }
+
+    /// Draws what a fresh world is to be like, before anything is placed in it.
+    pub(crate) fn vary(&mut self, randomize: &Randomize, rng: &mut ChaCha8Rng) {
+        let state = &mut self.state;
+        let Randomize { friction, mass, size, sensor_noise: _, action_delay: [soonest, latest] } =
+            *randomize;
+        let friction = draw(friction, rng);
+        if friction != 1.0 {
+            for (_, collider) in state.colliders.iter_mut() {
+                collider.set_friction(friction * collider.friction());
+            }
+        }
+        for loose in &mut state.loose {
+            let (mass, size) = (draw(mass, rng), draw(size, rng));
+            if mass == 1.0 && size == 1.0 {
+                continue;
+            }
+            for collider in state.bodies[loose.body.0].colliders().to_vec() {
+                let collider = &mut state.colliders[collider];
+                let weight = mass * collider.mass();
+                let before = collider.compute_aabb().half_extents().z;
+                scale(collider, size);
+                collider.set_mass(weight);
+                loose.raised = collider.compute_aabb().half_extents().z - before;
+            }
+        }
+        state.late.steps = rng.random_range(soonest..=latest) as usize;
+    }
+
+    /// Begins to look at things that were all placed.
+    pub(crate) fn open_eyes(&mut self, randomize: &Randomize, mut rng: ChaCha8Rng) {
+        let sensor = draw(randomize.sensor_noise, &mut rng);
+        let Watch { noise, delay } = self.watch.unwrap_or(Watch { noise: 0.0, delay: 0 });
+        self.state.camera = (self.watch.is_some() || sensor > 0.0).then(|| {
+            let noise = (noise * noise + sensor * sensor).sqrt();
+            Camera::new(noise, delay, rng, self.watched())
+        });
+    }
+
+    /// Looks again.
+    pub(super) fn look(&mut self) {
+        if let Some(mut camera) = self.state.camera.take() {
+            camera.look(self.watched());
+            self.state.camera = Some(camera);
+        }
+    }
+
+    /// Where the hand and every loose body are.
+    fn watched(&self) -> impl Iterator<Item = Vector> {
+        let state = &self.state;
+        let hand = state.gripper.grip(&state.bodies).position;
+        let bodies = state.loose.iter().map(|loose| state.bodies[loose.body.0].translation());
+        std::iter::once(super::glam(hand.coords)).chain(bodies)
+    }
+}
+
+/// Makes a box or a cylinder larger.
+fn scale(collider: &mut Collider, factor: f32) {
+    let shape = collider.shape_mut();
+    if let Some(cuboid) = shape.as_cuboid_mut() {
+        cuboid.half_extents *= factor;
+    } else if let Some(cylinder) = shape.as_cylinder_mut() {
+        cylinder.half_height *= factor;
+        cylinder.radius *= factor;
+    }
+}
