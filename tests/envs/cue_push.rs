@@ -194,3 +194,25 @@ fn noise_and_delay_can_be_set() {
     options.task.0.insert("noise".to_owned(), OptionValue::Count(0));
     assert!(Simulation::<CuePush, 1>::with(&options).is_ok());
 }
+
+#[test]
+fn a_cylinder_that_was_let_go_only_becomes_slower() {
+    for (x, y) in [(1.0, 0.0), (0.4, 0.0), (-0.7, 0.0)] {
+        let mut cue = clear_cue_push();
+        let cylinder = Position::new(1.3, 0.7491, 0.415);
+        cue.env.arrange(Layout::new([cylinder], [cylinder]), &mut cue.observation).unwrap();
+        cue.repeat(3, [-f32::signum(x), y, 0.0, 0.0]);
+        cue.repeat(5, [0.0, 0.0, -1.0, 0.0]);
+        cue.repeat(3, [x, y, 0.0, 0.0]);
+        cue.step([0.0; 4]);
+        let mut before = f32::INFINITY;
+        for _ in 0..20 {
+            let start = cue.block();
+            cue.step([-x, 0.0, 1.0, 0.0]);
+            let moved = (cue.block() - start).norm();
+            assert!(moved < before + 1e-5, "{x}: {before} m in a step, then {moved} m");
+            before = moved;
+        }
+        assert!(before < 1e-4, "{x}: still moves by {before} m in a step");
+    }
+}

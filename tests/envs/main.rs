@@ -17,5 +17,6 @@ mod physics;
 mod pool;
 mod scripted;
 mod slide;
+mod soak;
 mod support;
 mod traces;

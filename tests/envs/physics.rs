@@ -113,7 +113,7 @@ struct CheckSpeeds(Task);
 impl EnvVisitor for CheckSpeeds {
     type Output = ();
 
-    fn visit<const N: usize, E: Simulated<N>>(self, build: fn() -> E) {
+    fn visit<const N: usize, E: Simulated<N>>(self, build: impl Fn() -> E + Sync) {
         let task = self.0;
         let mut stand = Stand::new(build());
         let mut rng = ChaCha8Rng::seed_from_u64(5);

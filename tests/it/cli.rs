@@ -406,7 +406,16 @@ fn a_policy_is_evaluated_from_its_folder_or_its_file() {
     let report = json(&report);
     assert_eq!(
         keys(&report),
-        ["ci95", "env_seed", "episodes", "final_distance", "success", "success_final", "task"]
+        [
+            "ci95",
+            "env_seed",
+            "episodes",
+            "final_distance",
+            "success",
+            "success_final",
+            "task",
+            "true_final_distance"
+        ]
     );
     assert_eq!((&report["episodes"], &report["env_seed"]), (&Value::from(10), &Value::from(0)));
     assert_eq!(report["success"].as_array().unwrap().len(), 2);
@@ -499,7 +508,7 @@ fn a_reader_that_has_gone_away_has_read_enough() {
 fn speed_is_measured_for_programs_too() {
     let rher = Rher::new();
     let envs = json(&rher.ok("bench env --task reach --json"));
-    assert_eq!(keys(&envs[0]), ["reset_us", "steps_per_cpu_s", "task"]);
+    assert_eq!(keys(&envs[0]), ["reset_us", "steps_per_cpu_s", "substeps", "task", "together"]);
     let updates =
         json(&rher.ok("bench update --batch 8 --inputs 31 --threads 1 --engine burn --json"));
     assert_eq!(updates.as_array().unwrap().len(), 1);

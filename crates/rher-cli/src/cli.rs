@@ -246,7 +246,7 @@ pub(crate) struct ConfigArgs {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum BenchCommand {
-    /// Steps per CPU-second of the environments, one thread, random actions
+    /// Steps per CPU-second of the environments, random actions; also of many stepped together
     Env(BenchEnvArgs),
     /// Milliseconds per update of the networks
     Update(BenchUpdateArgs),
@@ -257,6 +257,10 @@ pub(crate) struct BenchEnvArgs {
     /// Only this task; may be repeated [default: every task]
     #[arg(long = "task", value_name = "TASK", value_parser = task())]
     pub(crate) tasks: Vec<Task>,
+
+    /// What the program asks of itself: the rate of one thread, and nothing else
+    #[arg(long, hide = true)]
+    pub(crate) one_thread: bool,
 
     /// Print JSON: an array with one object for each task
     #[arg(long)]

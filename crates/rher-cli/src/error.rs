@@ -83,7 +83,7 @@ impl Report {
             SettingsError::Fixed { key } => {
                 let hint = match key.as_str() {
                     "preset" => "use --preset",
-                    "task" => "name the task itself: `rher train push`",
+                    "task" | "task.name" => "name the task itself: `rher train push`",
                     _ => "it is the version of this program's format",
                 };
                 Self::new(Status::Usage, hint)
@@ -94,8 +94,12 @@ impl Report {
             SettingsError::Unknown { origin, nearest: None, .. }
             | SettingsError::Section { origin, .. }
             | SettingsError::Mistyped { origin, .. }
-            | SettingsError::OutOfRange { origin, .. } => Self::new(status(origin), EVERY),
-            SettingsError::Combination(_) => Self::new(Status::Usage, EVERY),
+            | SettingsError::OtherTasksOption { origin, .. }
+            | SettingsError::OutOfRange { origin, .. }
+            | SettingsError::Option { origin, .. } => Self::new(status(origin), EVERY),
+            SettingsError::Combination(_) | SettingsError::Unfit(_) => {
+                Self::new(Status::Usage, EVERY)
+            }
             SettingsError::Unwritten(_) => Self { status: Status::Failure, hint: None },
         }
     }

@@ -1,6 +1,6 @@
 //! A run's folder: where it is, who may write in it, and what lies where.
 
-use crate::settings;
+use crate::settings::{self, Settings};
 use rher_core::checkpoint::{self, CheckpointError, POLICY_FILE};
 use rher_core::config::TrainConfig;
 use rher_core::event::Metrics;
@@ -75,10 +75,10 @@ impl RunDir {
     }
 
     /// Writes the settings; the file is complete or not there.
-    pub(crate) fn write_config(&self, config: &TrainConfig) -> anyhow::Result<()> {
+    pub(crate) fn write_config(&self, settings: &Settings) -> anyhow::Result<()> {
         let path = self.path.join(CONFIG_FILE);
         let new = path.with_extension("toml.new");
-        let text = settings::to_toml(config)?;
+        let text = settings::to_toml(settings)?;
         File::create(&new)
             .and_then(|mut file| file.write_all(text.as_bytes()).and_then(|()| file.sync_all()))
             .and_then(|()| std::fs::rename(&new, &path))
@@ -88,8 +88,8 @@ impl RunDir {
 }
 
 /// The settings that were kept with a run, if they can be read.
-pub(crate) fn read_config(folder: &Path) -> Option<TrainConfig> {
-    toml::from_str(&std::fs::read_to_string(folder.join(CONFIG_FILE)).ok()?).ok()
+pub(crate) fn read_config(folder: &Path) -> Option<Settings> {
+    settings::from_toml(&std::fs::read_to_string(folder.join(CONFIG_FILE)).ok()?)
 }
 
 /// The metrics of a run, as far as they can be read.

@@ -1,9 +1,13 @@
 //! Settings of a run: preset < recipe of the task < `--config` < `--set` < other options.
 
 use crate::cli::{Assignment, SettingsArgs};
-use rher_core::config::{ConfigError, Method, Preset, TrainConfig, VERSION};
-use rher_envs::{EnvVisitor, Simulated, Task};
-use serde::Deserialize as _;
+use rher_core::agent::config::AgentConfig;
+use rher_core::config::{
+    ConfigError, EvaluationConfig, ExplorationConfig, Method, Preset, RelayConfig, ReplayConfig,
+    TrainConfig, VERSION,
+};
+use rher_envs::{EnvVisitor, OptionError, Options, Randomize, Simulated, Task, TaskOptions};
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt;
 use std::io;
@@ -12,10 +16,17 @@ use toml::de::{DeTable, DeValue, ValueDeserializer};
 use toml::{Table, Value};
 
 /// Settings that `--set` leaves alone.
-const FIXED: [&str; 3] = ["version", "task", "preset"];
+const FIXED: [&str; 4] = ["version", "task", "task.name", "preset"];
+
+/// Everything that is part of an experiment: how it is learned, and in which environments.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Settings {
+    pub(crate) config: TrainConfig,
+    pub(crate) options: Options,
+}
 
 /// The settings that `args` and the files they name come to.
-pub(crate) fn resolve(task: Task, args: &SettingsArgs) -> Result<TrainConfig, SettingsError> {
+pub(crate) fn resolve(task: Task, args: &SettingsArgs) -> Result<Settings, SettingsError> {
     let SettingsArgs { preset, config, set, method, seed, env_steps, until, engine, envs } = args;
     let file = config.as_deref().map(ConfigFile::read).transpose()?;
     if let Some(file) = &file {
@@ -26,7 +37,8 @@ pub(crate) fn resolve(task: Task, args: &SettingsArgs) -> Result<TrainConfig, Se
         Some(file) => file.preset(asked)?,
         None => asked.unwrap_or(Preset::Fast),
     };
-    let mut layers = Layers::new(preset.config(task.name(), task.visit(Objects)))?;
+    let config = preset.config(task.name(), task.visit(Objects));
+    let mut layers = Layers::new(task, Settings { config, options: Options::of(task.options()) })?;
     if let (Preset::Fast, Some(recipe)) = (preset, recipe(task)) {
         layers.set_all(ConfigFile::parse(&Source::Recipe(task), recipe)?.entries)?;
     }
@@ -96,6 +108,12 @@ impl ConfigFile {
         })?;
         let mut entries = Vec::new();
         flatten("", table.into_inner(), &at, &mut entries)?;
+        // `task = "push"` is short for the name in `[task]`.
+        for entry in &mut entries {
+            if entry.key == "task" {
+                NAME.clone_into(&mut entry.key);
+            }
+        }
         // The parser sorts by key; the first mistake in the file should be the first one told.
         entries.sort_by_key(|entry| entry.origin.at);
         let file = Self { entries };
@@ -119,7 +137,7 @@ impl ConfigFile {
     }
 
     fn check_task(&self, task: Task) -> Result<(), SettingsError> {
-        match self.entry("task") {
+        match self.entry(NAME) {
             Some(Entry { value: Value::String(found), origin, .. }) if found != task.name() => {
                 Err(SettingsError::OtherTask { origin: origin.clone(), found: found.clone(), task })
             }
@@ -195,28 +213,31 @@ impl Entry {
 
 /// What serde says, without the names of Rust's types.
 fn in_plain_words(problem: &str) -> String {
-    const WORDS: [(&str, &str); 6] = [
+    const WORDS: [(&str, &str); 8] = [
         ("unknown variant", "unknown value"),
         ("expected f32", "expected a number"),
         ("expected usize", "expected a whole number, at least 0"),
+        ("expected u32", "expected a whole number, at least 0"),
         ("expected u64", "expected a whole number, at least 0"),
         ("expected a sequence", "expected a list in brackets"),
         ("expected a boolean", "expected true or false"),
+        ("expected an array of length 2", "expected two numbers in brackets"),
     ];
     WORDS.iter().fold(problem.to_owned(), |text, (from, to)| text.replace(from, to))
 }
 
 /// Settings that are being put together.
 struct Layers {
+    task: Task,
     table: Table,
-    config: TrainConfig,
+    settings: Settings,
     origins: BTreeMap<String, Origin>,
 }
 
 impl Layers {
-    fn new(config: TrainConfig) -> Result<Self, SettingsError> {
-        let table = Table::try_from(&config)?;
-        Ok(Self { table, config, origins: BTreeMap::new() })
+    fn new(task: Task, settings: Settings) -> Result<Self, SettingsError> {
+        let table = Table::try_from(SettingsFile::of(&settings))?;
+        Ok(Self { task, table, settings, origins: BTreeMap::new() })
     }
 
     fn set_all(&mut self, entries: Vec<Entry>) -> Result<(), SettingsError> {
@@ -231,6 +252,10 @@ impl Layers {
             }
             (Some(slot), value) => *slot = value.clone(),
             (None, _) => {
+                if let Some(owner) = owner(&entry.key) {
+                    let (origin, key, task) = (entry.origin, entry.key, self.task);
+                    return Err(SettingsError::OtherTasksOption { origin, key, owner, task });
+                }
                 let nearest = nearest(&self.table, &entry.key);
                 return Err(SettingsError::Unknown {
                     origin: entry.origin,
@@ -239,14 +264,23 @@ impl Layers {
                 });
             }
         }
-        self.config =
-            TrainConfig::deserialize(self.table.clone()).map_err(|error| entry.mistyped(&error))?;
+        self.settings = split(self.table.clone()).map_err(|error| entry.mistyped(&error))?;
         self.origins.insert(entry.key, entry.origin);
         Ok(())
     }
 
-    fn finish(self) -> Result<TrainConfig, SettingsError> {
-        let Err(error) = self.config.validate() else { return Ok(self.config) };
+    fn finish(self) -> Result<Settings, SettingsError> {
+        let Settings { config, options } = self.settings;
+        let options = match options.check(self.task.options()) {
+            Ok(options) => options,
+            Err(error) => {
+                return Err(match self.origins.get(error.key()) {
+                    Some(origin) => SettingsError::Option { origin: origin.clone(), error },
+                    None => SettingsError::Unfit(error),
+                });
+            }
+        };
+        let Err(error) = config.validate() else { return Ok(Settings { config, options }) };
         // Some ranges depend on another setting, and then that one may be the culprit.
         let blamed = |key: &str| key == error.key || error.allowed.contains(&format!("`{key}`"));
         match self.origins.into_iter().find(|(key, _)| blamed(key)) {
@@ -254,6 +288,29 @@ impl Layers {
             None => Err(error.into()),
         }
     }
+}
+
+/// Key of the task's name.
+const NAME: &str = "task.name";
+
+/// A task that has an option with this dotted key.
+fn owner(key: &str) -> Option<Task> {
+    let name = key.strip_prefix("task.")?;
+    let has_it = |task: &&Task| task.options().iter().any(|option| option.name == name);
+    Task::ALL.iter().find(has_it).copied()
+}
+
+/// Takes a file's table apart.
+fn split(mut table: Table) -> Result<Settings, toml::de::Error> {
+    let mut take = |key: &str| table.remove(key).unwrap_or_else(|| Value::Table(Table::new()));
+    let randomize = Randomize::deserialize(take("randomize"))?;
+    let mut task = take("task");
+    let name = task.as_table_mut().and_then(|task| task.remove("name"));
+    // Settings from before there were options have the name alone.
+    let name = name.unwrap_or_else(|| std::mem::replace(&mut task, Value::Table(Table::new())));
+    table.insert("task".to_owned(), name);
+    let config = TrainConfig::deserialize(table)?;
+    Ok(Settings { config, options: Options { task: TaskOptions::deserialize(task)?, randomize } })
 }
 
 /// The value of a dotted key.
@@ -294,8 +351,75 @@ fn known_keys(table: &Table) -> Vec<String> {
 }
 
 /// The settings as a file that `--config` takes.
-pub(crate) fn to_toml(config: &TrainConfig) -> Result<String, SettingsError> {
-    Ok(toml::to_string(config)?)
+pub(crate) fn to_toml(settings: &Settings) -> Result<String, SettingsError> {
+    Ok(toml::to_string(&SettingsFile::of(settings))?)
+}
+
+/// The settings in a file that [`to_toml`] made, if they can be read.
+pub(crate) fn from_toml(text: &str) -> Option<Settings> {
+    split(text.parse().ok()?).ok()
+}
+
+/// The sections of a settings file.
+#[derive(Serialize)]
+struct SettingsFile<'a> {
+    version: u32,
+    preset: Preset,
+    seed: u64,
+    env_steps: u64,
+    until: f32,
+    envs: usize,
+    task: TaskSection<'a>,
+    randomize: &'a Randomize,
+    relay: &'a RelayConfig,
+    exploration: &'a ExplorationConfig,
+    replay: &'a ReplayConfig,
+    agent: &'a AgentConfig,
+    evaluation: &'a EvaluationConfig,
+}
+
+/// The task, and what is set about it.
+#[derive(Serialize)]
+struct TaskSection<'a> {
+    name: &'a str,
+    #[serde(flatten)]
+    options: &'a TaskOptions,
+}
+
+impl<'a> SettingsFile<'a> {
+    fn of(
+        Settings { config, options: Options { task: options, randomize } }: &'a Settings,
+    ) -> Self {
+        let TrainConfig {
+            version,
+            task,
+            preset,
+            seed,
+            env_steps,
+            until,
+            envs,
+            relay,
+            exploration,
+            replay,
+            agent,
+            evaluation,
+        } = config;
+        Self {
+            version: *version,
+            preset: *preset,
+            seed: *seed,
+            env_steps: *env_steps,
+            until: *until,
+            envs: *envs,
+            task: TaskSection { name: task, options },
+            randomize,
+            relay,
+            exploration,
+            replay,
+            agent,
+            evaluation,
+        }
+    }
 }
 
 /// Who made a setting.
@@ -372,8 +496,14 @@ pub(crate) enum SettingsError {
     Section { origin: Origin, key: String },
     #[error("{origin}: `{key}`: {problem}")]
     Mistyped { origin: Origin, key: String, problem: String },
+    #[error("{origin}: `{key}` is a setting of `{owner}`, not of `{task}`")]
+    OtherTasksOption { origin: Origin, key: String, owner: Task, task: Task },
     #[error("{origin}: {error}")]
     OutOfRange { origin: Origin, error: ConfigError },
+    #[error("{origin}: {error}")]
+    Option { origin: Origin, error: OptionError },
+    #[error(transparent)]
+    Unfit(#[from] OptionError),
     #[error(transparent)]
     Combination(#[from] ConfigError),
     #[error("the settings do not fit into a TOML file")]

@@ -33,7 +33,7 @@ pub const CHECKPOINT_FOLDER: &str = "checkpoint";
 const CURRENT: &str = "current.ckpt";
 const PREVIOUS: &str = "previous.ckpt";
 const MAGIC: [u8; 8] = *b"RHERCKPT";
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 const HEADER: usize = MAGIC.len() + 4 + 8 + 4;
 const EPISODES_PER_FILE: u64 = 1000;
 
@@ -92,6 +92,11 @@ pub enum CheckpointError {
 /// The settings of the run in `folder`.
 pub fn read_config(folder: &Path) -> Result<TrainConfig, CheckpointError> {
     read_state(folder).map(|(state, _)| state.config)
+}
+
+/// The settings that the environment of the run in `folder` was made with, in its own words.
+pub fn read_variant(folder: &Path) -> Result<String, CheckpointError> {
+    read_state(folder).map(|(state, _)| state.about.variant)
 }
 
 /// Writes a checkpoint of `state`, of `learner` and of the episodes that are not on disk yet, whose first is
@@ -195,14 +200,17 @@ pub(crate) fn read_replay<const N: usize>(
     state: &RunState,
     spec: &EnvSpec<N>,
 ) -> Result<Replay<N>, CheckpointError> {
-    let name = |task: &str, objects, observation, action| {
+    let name = |task: &str, variant: &str, objects, observation, action| {
+        let variant = if variant.is_empty() { String::new() } else { format!(" ({variant})") };
         format!(
-            "`{task}` with {objects} objects, observations of {observation} and actions of {action}"
+            "`{task}`{variant} with {objects} objects, observations of {observation} and actions \
+             of {action}"
         )
     };
     let about = &state.about;
-    let expected = name(&about.task, about.objects, about.observation, about.action);
-    let found = name(&spec.name, N, spec.observation, spec.action);
+    let expected =
+        name(&about.task, &about.variant, about.objects, about.observation, about.action);
+    let found = name(&spec.name, &spec.variant, N, spec.observation, spec.action);
     if expected != found {
         return Err(CheckpointError::Mismatch { expected, found });
     }

@@ -7,6 +7,9 @@ use crate::goal::{Achieved, Desired, Position, Tolerances};
 pub struct EnvSpec<const N: usize> {
     /// Name under which runs and policies remember it.
     pub name: String,
+    /// Settings that it was made with, in the words of whoever makes it; runs and policies remember
+    /// them. Empty where there are none.
+    pub variant: String,
     /// Numbers in an observation.
     pub observation: usize,
     /// Numbers in an action; each is in [−1, 1].
@@ -26,6 +29,7 @@ impl<const N: usize> EnvSpec<N> {
     pub fn new(name: &str, observation: usize, action: usize, episode_steps: usize) -> Self {
         Self {
             name: name.to_owned(),
+            variant: String::new(),
             observation,
             action,
             episode_steps,
@@ -119,4 +123,10 @@ pub trait Env<const N: usize>: Send {
 
     /// Acts for one step and writes the observation after it.
     fn step(&mut self, action: &[f32], observation: &mut [f32]) -> Result<Achieved<N>, EnvError>;
+
+    /// Where everything really is, if that is known and is not what is achieved: goals and rewards
+    /// are of what sensors tell.
+    fn truth(&mut self) -> Option<Achieved<N>> {
+        None
+    }
 }

@@ -12,8 +12,15 @@ pub struct Episode<const N: usize> {
     pub observations: Vec<f32>,
     /// `[T + 1]`.
     pub achieved: Vec<Achieved<N>>,
-    /// `[T, action]`.
+    /// `[T, action]`, as they were chosen: the environment gets them clipped to [−1, 1].
     pub actions: Vec<f32>,
+}
+
+impl<const N: usize> Episode<N> {
+    /// How many numbers of its actions were clipped.
+    pub fn clipped(&self) -> usize {
+        self.actions.iter().filter(|number| number.abs() > 1.0).count()
+    }
 }
 
 /// What can be known when the next action is chosen.
@@ -69,6 +76,7 @@ pub fn rollout<const N: usize>(
     };
     let mut observations = vec![0.0; (steps + 1) * observation];
     let mut actions = vec![0.0; steps * action];
+    let mut clipped = vec![0.0; action];
     let mut achieved = Vec::with_capacity(steps + 1);
     let failed = |step| move |source| RolloutError::Env { seed, step, source };
 
@@ -85,8 +93,11 @@ pub fn rollout<const N: usize>(
         };
         let action = &mut actions[step * action..(step + 1) * action];
         act(view, action);
+        for (clipped, chosen) in clipped.iter_mut().zip(action) {
+            *clipped = chosen.clamp(-1.0, 1.0);
+        }
         let next = &mut after[..observation];
-        let now = env.step(action, next).map_err(failed(step))?;
+        let now = env.step(&clipped, next).map_err(failed(step))?;
         check(next, &now, seed, step + 1)?;
         achieved.push(now);
     }

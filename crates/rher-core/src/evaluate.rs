@@ -4,7 +4,7 @@ use crate::agent::policy::{Mismatch, Policy};
 use crate::config::{EvaluationConfig, TestPolicy};
 use crate::env::Env;
 use crate::episode::{Episode, RolloutError, rollout};
-use crate::goal::{EncodedGoal, Stage};
+use crate::goal::{Achieved, Desired, EncodedGoal, Stage};
 use crate::seed::{Purpose, Seed};
 use rand::RngExt as _;
 use rayon::prelude::*;
@@ -19,6 +19,8 @@ pub struct Evaluation {
     /// Mean distance of the objects to their targets at the end of the last sub-task's episodes,
     /// in metres; of the gripper to the object where the last sub-task is to reach it.
     pub final_distance: f32,
+    /// The same for where everything really was, if sensors told otherwise.
+    pub true_final_distance: Option<f32>,
 }
 
 /// An evaluation could not be made.
@@ -76,8 +78,9 @@ pub fn evaluate<const N: usize, E: Env<N>>(
                         play(env, policy, stage, test_policy, Seed(config.env_seed), episode)?;
                     let end = played.achieved[played.achieved.len() - 1];
                     let goal = EncodedGoal::new(stage, &end, &played.desired);
-                    let distance = final_distance(stage, &played);
-                    Ok((stage.index(), goal.is_met(&end, &tolerances), distance))
+                    let distance = |end: &Achieved<N>| final_distance(stage, end, &played.desired);
+                    let truly = env.truth().map(|end| distance(&end));
+                    Ok((stage.index(), goal.is_met(&end, &tolerances), distance(&end), truly))
                 })
                 .collect::<Result<Vec<_>, RolloutError>>()
         })
@@ -89,10 +92,14 @@ pub fn evaluate<const N: usize, E: Env<N>>(
 
     let mut successes = vec![0_usize; stages.len()];
     let mut distances = 0.0;
-    for (stage, met, distance) in in_order {
+    let mut true_distances = None;
+    for (stage, met, distance, truly) in in_order {
         successes[stage] += usize::from(met);
         if stage == last {
             distances += f64::from(distance);
+            if let Some(truly) = truly {
+                *true_distances.get_or_insert(0.0) += f64::from(truly);
+            }
         }
     }
     let rate = |stage: usize, episodes: usize| successes[stage] as f32 / episodes as f32;
@@ -101,8 +108,13 @@ pub fn evaluate<const N: usize, E: Env<N>>(
         .map(|stage| (stage >= first).then(|| rate(stage, config.subtask_episodes)))
         .chain([Some(success_final)])
         .collect();
-    let final_distance = (distances / config.episodes as f64) as f32;
-    Ok(Evaluation { success, success_final, final_distance })
+    let mean = |sum: f64| (sum / config.episodes as f64) as f32;
+    Ok(Evaluation {
+        success,
+        success_final,
+        final_distance: mean(distances),
+        true_final_distance: true_distances.map(mean),
+    })
 }
 
 fn play<const N: usize>(
@@ -132,12 +144,15 @@ fn play<const N: usize>(
     })
 }
 
-fn final_distance<const N: usize>(stage: Stage<N>, episode: &Episode<N>) -> f32 {
-    let end = &episode.achieved[episode.achieved.len() - 1].0;
+fn final_distance<const N: usize>(
+    stage: Stage<N>,
+    Achieved(end): &Achieved<N>,
+    desired: &Desired<N>,
+) -> f32 {
     match stage.leg() {
         crate::goal::Leg::Reach => nalgebra::distance(&end.gripper, &end.objects[stage.object()]),
         crate::goal::Leg::Place => {
-            let pairs = end.objects.iter().zip(episode.desired.objects());
+            let pairs = end.objects.iter().zip(desired.objects());
             pairs.map(|(object, target)| nalgebra::distance(object, target)).sum::<f32>() / N as f32
         }
     }

@@ -83,7 +83,7 @@ impl<const N: usize> Replay<N> {
         self.pushed
     }
 
-    /// Stores an episode.
+    /// Stores an episode, its actions clipped to [−1, 1].
     ///
     /// # Panics
     ///
@@ -105,6 +105,10 @@ impl<const N: usize> Replay<N> {
             self.achieved[place(achieved.len())].copy_from_slice(achieved);
             self.actions[place(actions.len())].copy_from_slice(actions);
             self.desired[slot] = *desired;
+        }
+        let slot = (self.pushed % self.capacity as u64) as usize;
+        for number in &mut self.actions[slot * actions.len()..(slot + 1) * actions.len()] {
+            *number = number.clamp(-1.0, 1.0);
         }
         self.pushed += 1;
     }

@@ -15,6 +15,11 @@
 //! # Ok::<(), rher_core::env::EnvError>(())
 //! ```
 
+/// The worked example is compiled and run as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/adding-a-task.md")]
+struct AddingATask;
+
 mod observation;
 mod options;
 mod pool;
@@ -23,9 +28,11 @@ mod simulation;
 mod task;
 pub mod tasks;
 
-pub use observation::Sink;
+pub use observation::{Sink, gripper_and_object};
 pub use options::{OptionError, OptionValue, Options, Randomize, TaskOption, TaskOptions};
 pub use pool::{AutoReset, Frames, Pool, PoolError};
-pub use sim::World;
+pub use sim::{
+    Body, DETECTIONS_AND_SOLVER_SUBSTEPS as SUBSTEPS, Fingers, Grip, Motion, Scenery, World,
+};
 pub use simulation::{ACTION_WIDTH, Layout, OtherOptions, Scenario, Simulated, Simulation, State};
 pub use task::{EnvVisitor, Task, UnknownTask};

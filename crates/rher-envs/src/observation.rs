@@ -25,7 +25,7 @@ pub trait Sink {
 /// Gripper (3), object (3), object − gripper (3), finger openings (2), Euler angles of the object
 /// (3), its velocity relative to the gripper's (3), its angular velocity (3), the gripper's
 /// velocity (3), the fingers' (2). Metres and radians; velocities are per environment step.
-pub(crate) fn gripper_and_object(grip: &Grip, object: &Motion, out: &mut impl Sink) {
+pub fn gripper_and_object(grip: &Grip, object: &Motion, out: &mut impl Sink) {
     out.position(grip.position);
     out.position(object.position);
     out.vector(object.position - grip.position);

@@ -102,9 +102,6 @@ pub trait Simulated<const N: usize>: Env<N> + 'static {
     /// error.
     fn restore(&mut self, state: &Self::State) -> Result<(), OtherOptions>;
 
-    /// Where everything really is; nothing if that is where it is seen.
-    fn truth(&mut self) -> Option<Achieved<N>>;
-
     /// What was set when it was made.
     fn options(&self) -> &Options;
 }
@@ -162,6 +159,7 @@ impl<S: Scenario<N>, const N: usize> Simulation<S, N> {
         let observation = reflections.into_vec();
         let spec = EnvSpec {
             name: S::NAME.to_owned(),
+            variant: options.to_string(),
             observation: observation.len(),
             action: S::ACTION_WIDTH,
             episode_steps: S::EPISODE_STEPS,
@@ -240,6 +238,11 @@ impl<S: Scenario<N>, const N: usize> Env<N> for Simulation<S, N> {
         self.world.step(checked_action(action, S::ACTION_WIDTH)?);
         self.observe(observation)
     }
+
+    fn truth(&mut self) -> Option<Achieved<N>> {
+        let Self { scenario, layout, world, .. } = self;
+        world.bare(|world| achieved(scenario, layout, world))
+    }
 }
 
 impl<S: Scenario<N>, const N: usize> Simulated<N> for Simulation<S, N> {
@@ -251,11 +254,6 @@ impl<S: Scenario<N>, const N: usize> Simulated<N> for Simulation<S, N> {
         observation: &mut [f32],
     ) -> Result<Start<N>, EnvError> {
         self.start(layout, ChaCha8Rng::seed_from_u64(0), observation)
-    }
-
-    fn truth(&mut self) -> Option<Achieved<N>> {
-        let Self { scenario, layout, world, .. } = self;
-        world.bare(|world| achieved(scenario, layout, world))
     }
 
     fn options(&self) -> &Options {

@@ -1,6 +1,6 @@
 //! `rher eval`: how often a policy succeeds.
 
-use super::{table, text, threads};
+use super::{made_with, table, text, threads};
 use crate::cli::EvalArgs;
 use crate::error::ForeignTask;
 use crate::observe::percent;
@@ -24,6 +24,8 @@ struct EvalReport {
     success: Vec<Option<f32>>,
     /// Mean distance of the objects to their targets at the end, in metres.
     final_distance: f32,
+    /// The same for where they really were; `null` where sensors tell nothing else.
+    true_final_distance: Option<f32>,
     episodes: usize,
     env_seed: u64,
 }
@@ -38,7 +40,8 @@ pub(crate) fn eval(args: &EvalArgs, printer: Printer) -> anyhow::Result<()> {
     let name = policy.about().task.clone();
     let task: Task = name.parse().map_err(|_| ForeignTask { name: name.clone() })?;
     let episodes = episodes.get();
-    let evaluation = task.visit(Evaluate {
+    let options = made_with(&policy.about().variant, task)?;
+    let evaluate = Evaluate {
         policy: &policy,
         config: EvaluationConfig {
             every_episodes: 1,
@@ -46,10 +49,11 @@ pub(crate) fn eval(args: &EvalArgs, printer: Printer) -> anyhow::Result<()> {
             subtask_episodes: episodes,
             env_seed: *seed,
         },
-        test_policy: run.map_or(TestPolicy::Final, |run| run.exploration.test_policy),
+        test_policy: run.map_or(TestPolicy::Final, |run| run.config.exploration.test_policy),
         workers: threads(*workers),
-    })?;
-    let Evaluation { success, success_final, final_distance } = evaluation;
+    };
+    let Evaluation { success, success_final, final_distance, true_final_distance } =
+        task.visit_with(&options, evaluate)??;
     let ci95 = wilson(success_final, episodes);
     let report = EvalReport {
         task: name,
@@ -57,6 +61,7 @@ pub(crate) fn eval(args: &EvalArgs, printer: Printer) -> anyhow::Result<()> {
         ci95,
         success,
         final_distance,
+        true_final_distance,
         episodes,
         env_seed: *seed,
     };
@@ -117,6 +122,9 @@ fn describe(report: &EvalReport) -> String {
         add(&format!("sub-task {}", index + 1), rate);
     }
     add("final distance", format!("{:.1} cm", 100.0 * report.final_distance));
+    if let Some(distance) = report.true_final_distance {
+        add("really", format!("{:.1} cm", 100.0 * distance));
+    }
     add("env seed", report.env_seed.to_string());
     text(&lines)
 }

@@ -10,8 +10,10 @@ mod train;
 use crate::cli::{BenchCommand, Command};
 use crate::exit_code::Status;
 use crate::printer::Printer;
+use anyhow::Context as _;
 use comfy_table::Table;
 use comfy_table::presets::NOTHING;
+use rher_envs::{Options, Task};
 use std::num::NonZeroUsize;
 
 /// Does what `command` says.
@@ -26,6 +28,14 @@ pub(crate) fn run(command: Command, printer: Printer) -> anyhow::Result<Status> 
         Command::Bench(BenchCommand::Update(args)) => bench::update::bench_update(&args, printer)?,
     }
     Ok(Status::Success)
+}
+
+/// The options that an environment of `task` was made with, from what runs and policies remember.
+fn made_with(variant: &str, task: Task) -> anyhow::Result<Options> {
+    if variant.is_empty() {
+        return Ok(Options::of(task.options()));
+    }
+    variant.parse().with_context(|| format!("cannot read the options of `{task}`: {variant}"))
 }
 
 /// As many threads as were asked for, or as there are cores.

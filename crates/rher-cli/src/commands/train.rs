@@ -1,13 +1,13 @@
 //! `rher train`: a new run, or one that goes on.
 
-use super::threads;
+use super::{made_with, threads};
 use crate::cli::{EngineName, SettingsArgs, TrainArgs};
 use crate::error::ForeignTask;
 use crate::exit_code::Status;
 use crate::observe::{MetricsFile, ProgressView, Watch, duration, percent, thousands};
 use crate::printer::Printer;
 use crate::run_dir::RunDir;
-use crate::settings;
+use crate::settings::{self, Settings};
 use anyhow::Context as _;
 use rher_core::checkpoint;
 use rher_core::config::TrainConfig;
@@ -24,9 +24,9 @@ pub(crate) fn train(args: &TrainArgs, printer: Printer) -> anyhow::Result<Status
     match (resume, task) {
         (Some(path), _) => go_on(path, settings, workers, printer),
         (None, Some(task)) => {
-            let config = settings::resolve(*task, settings)?;
-            let path = out.clone().unwrap_or_else(|| RunDir::default_path(&config));
-            begin(*task, config, &path, workers, printer)
+            let settings = settings::resolve(*task, settings)?;
+            let path = out.clone().unwrap_or_else(|| RunDir::default_path(&settings.config));
+            begin(*task, settings, &path, workers, printer)
         }
         (None, None) => unreachable!("clap asks for a task where there is nothing to resume"),
     }
@@ -35,13 +35,13 @@ pub(crate) fn train(args: &TrainArgs, printer: Printer) -> anyhow::Result<Status
 /// Starts a run in a folder of its own.
 fn begin(
     task: Task,
-    config: TrainConfig,
+    Settings { config, options }: Settings,
     path: &Path,
     workers: usize,
     printer: Printer,
 ) -> anyhow::Result<Status> {
     let folder = RunDir::create(path)?;
-    task.visit(Session { folder, config, start: Start::New, workers, printer })
+    task.visit_with(&options, Session { folder, config, start: Start::New, workers, printer })?
 }
 
 /// Goes on with the run in a folder.
@@ -57,7 +57,8 @@ fn go_on(
     let task: Task = name.parse().map_err(|_| ForeignTask { name })?;
     let SettingsArgs { env_steps, until, engine, .. } = *settings;
     let start = Start::Resumed { env_steps, until, engine };
-    task.visit(Session { folder, config, start, workers, printer })
+    let options = made_with(&checkpoint::read_variant(path)?, task)?;
+    task.visit_with(&options, Session { folder, config, start, workers, printer })?
 }
 
 /// Training on a task that is known at run time.
@@ -85,6 +86,7 @@ impl EnvVisitor for Session {
     fn visit<const N: usize, E: Simulated<N>>(self, build: impl Fn() -> E + Sync) -> Self::Output {
         let Self { folder, config, start, workers, printer } = self;
         let envs: Vec<E> = (0..config.envs.max(workers)).map(|_| build()).collect();
+        let made_with = envs[0].options().clone();
         let (trainer, metrics) = match start {
             Start::New => {
                 let trainer = Trainer::new(config, envs, workers)?;
@@ -109,7 +111,8 @@ impl EnvVisitor for Session {
                 (trainer, metrics)
             }
         };
-        folder.write_config(trainer.config())?;
+        let (config, options) = (trainer.config().clone(), made_with);
+        folder.write_config(&Settings { config, options })?;
         run(trainer, metrics, &folder, printer)
     }
 }

@@ -30,6 +30,9 @@ pub struct Policy {
 pub struct About {
     /// Name of the environment.
     pub task: String,
+    /// Settings that the environment was made with, in its own words; empty where it has none.
+    #[serde(default)]
+    pub variant: String,
     /// Objects in it.
     pub objects: usize,
     /// Sub-tasks of its task, from the first.

@@ -153,6 +153,7 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
         let spec = first(&envs, &config)?.spec();
         let about = About {
             task: spec.name.clone(),
+            variant: spec.variant.clone(),
             objects: N,
             subtasks: spec.subtasks,
             untrained: match config.relay.method {

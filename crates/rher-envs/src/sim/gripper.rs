@@ -95,8 +95,8 @@ const GRIP_FORCE: f32 = 150.0;
 const GRIP_DAMPING: f32 = 400.0;
 
 /// What the fingers can do.
-#[derive(Clone, Copy)]
-pub(crate) enum Fingers {
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fingers {
     /// They stay closed, as one box.
     Locked,
     /// They open and close.
@@ -106,16 +106,16 @@ pub(crate) enum Fingers {
 }
 
 /// The gripper at one moment, in the world frame.
-#[derive(Clone, Copy)]
-pub(crate) struct Grip {
+#[derive(Clone, Copy, Debug)]
+pub struct Grip {
     /// Grip centre, in metres.
-    pub(crate) position: Position,
+    pub position: Position,
     /// Metres per second.
-    pub(crate) velocity: Vector3<f32>,
+    pub velocity: Vector3<f32>,
     /// How far each finger is open, that on the side of +y first, in metres.
-    pub(crate) opening: [f32; 2],
+    pub opening: [f32; 2],
     /// Metres per second.
-    pub(crate) opening_velocity: [f32; 2],
+    pub opening_velocity: [f32; 2],
 }
 
 /// The bodies of the gripper and the state of what drives them.

@@ -10,7 +10,8 @@ mod variation;
 
 pub(crate) use cabinet::Cabinet;
 pub(crate) use camera::LONGEST_DELAY;
-pub(crate) use gripper::{CUE_RADIUS, Fingers, Grip};
+pub(crate) use gripper::CUE_RADIUS;
+pub use gripper::{Fingers, Grip};
 pub(crate) use scenery::{
     BLOCK_EDGE, CYLINDER_HEIGHT, CYLINDER_RADIUS, OBSTACLE_HALF, PLATE_HEIGHT, PUCK_HEIGHT,
 };
@@ -31,6 +32,9 @@ pub(crate) const STEP_SECONDS: f32 = 0.04;
 
 /// Collision detections in an environment step.
 const SUBSTEPS: u8 = 4;
+
+/// Collision detections in a step, and solver substeps in each.
+pub const DETECTIONS_AND_SOLVER_SUBSTEPS: [u8; 2] = [SUBSTEPS, SOLVER_ITERATIONS];
 
 /// Seconds between collision detections.
 const SUBSTEP_SECONDS: f32 = STEP_SECONDS / SUBSTEPS as f32;
@@ -95,25 +99,25 @@ pub(crate) struct State {
 
 /// A thing in a [`World`] that is placed when an episode begins.
 #[derive(Clone, Copy, PartialEq)]
-pub(crate) struct Body(RigidBodyHandle);
+pub struct Body(RigidBodyHandle);
 
 /// Where a [`Body`] is and how it moves, in the world frame.
 #[derive(Clone, Copy)]
-pub(crate) struct Motion {
+pub struct Motion {
     /// Centre, in metres.
-    pub(crate) position: Position,
+    pub position: Position,
     /// Orientation; a block starts with none.
-    pub(crate) rotation: UnitQuaternion<f32>,
+    pub rotation: UnitQuaternion<f32>,
     /// Metres per second.
-    pub(crate) velocity: Vector3<f32>,
+    pub velocity: Vector3<f32>,
     /// Radians per second.
-    pub(crate) spin: Vector3<f32>,
+    pub spin: Vector3<f32>,
 }
 
 impl World {
     /// A gripper with its grip centre at `home`, over a floor at height 0, with what `furnish`
     /// adds to it.
-    pub(crate) fn new<T>(
+    pub fn new<T>(
         fingers: Fingers,
         home: Position,
         furnish: impl FnOnce(&mut Scenery) -> T,
@@ -171,7 +175,7 @@ impl World {
     /// Moves a body that no step has moved yet, and turns it about the vertical, by radians.
     ///
     /// One that is larger than usual is put higher by as much as keeps its underside in place.
-    pub(crate) fn place(&mut self, body: Body, mut position: Position, turn: f32) {
+    pub fn place(&mut self, body: Body, mut position: Position, turn: f32) {
         let loose = self.state.loose.iter().find(|loose| loose.body == body);
         position.z += loose.map_or(0.0, |loose| loose.raised);
         // nalgebra's, since those of std differ between platforms.
@@ -219,7 +223,7 @@ impl World {
     }
 
     /// The gripper now, as it is seen.
-    pub(crate) fn grip(&self) -> Grip {
+    pub fn grip(&self) -> Grip {
         let mut grip = self.state.gripper.grip(&self.state.bodies);
         if let (Some(camera), Some(_), false) = (&self.state.camera, self.watch, self.is_bare) {
             let (position, step) = camera.sees(0);
@@ -230,7 +234,7 @@ impl World {
     }
 
     /// A body now, as it is seen.
-    pub(crate) fn motion(&self, body: Body) -> Motion {
+    pub fn motion(&self, body: Body) -> Motion {
         let thing = self.state.loose.iter().position(|loose| loose.body == body);
         let body = &self.state.bodies[body.0];
         let [x, y, z, w] = body.rotation().to_array();
@@ -271,7 +275,7 @@ impl World {
 }
 
 /// A [`World`] that is being furnished.
-pub(crate) struct Scenery {
+pub struct Scenery {
     bodies: RigidBodySet,
     colliders: ColliderSet,
     joints: ImpulseJointSet,

@@ -61,12 +61,12 @@ impl Scenery {
     }
 
     /// The table of every Fetch task but Slide: its top is 0.4 m high.
-    pub(crate) fn table(&mut self) {
+    pub fn table(&mut self) {
         self.fixed_box(Position::new(1.3, 0.75, 0.2), Vector3::new(0.25, 0.35, 0.2));
     }
 
     /// A cube of 5 cm and 2 kg.
-    pub(crate) fn block(&mut self) -> Body {
+    pub fn block(&mut self) -> Body {
         self.cube(RigidBodyBuilder::dynamic(), BLOCK_MASS)
     }
 
