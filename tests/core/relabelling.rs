@@ -19,6 +19,7 @@ const STEPS: usize = 6;
 fn spec(mirror: Option<Mirror>) -> EnvSpec<2> {
     EnvSpec {
         name: "law".to_owned(),
+        variant: String::new(),
         observation: 2,
         action: 1,
         episode_steps: STEPS,

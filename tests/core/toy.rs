@@ -26,6 +26,7 @@ impl<const N: usize> Magnet<N> {
         Self {
             spec: EnvSpec {
                 name: "magnet".to_owned(),
+                variant: String::new(),
                 observation: 2 * (N + 1),
                 action: 3,
                 episode_steps: 25,
@@ -91,6 +92,7 @@ impl Probe {
         Self {
             spec: EnvSpec {
                 name: "probe".to_owned(),
+                variant: String::new(),
                 observation: 1,
                 action: 1,
                 episode_steps: 5,

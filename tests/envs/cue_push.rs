@@ -2,6 +2,7 @@
 
 use crate::support::{Stand, at_height, flat, seen_clearly, solved};
 use nalgebra::Vector3;
+use rher_core::env::Env as _;
 use rher_core::goal::Position;
 use rher_envs::tasks::CuePush;
 use rher_envs::{ACTION_WIDTH, Layout, OptionValue, Options, Simulated, Simulation, Task};

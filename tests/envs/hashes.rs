@@ -20,6 +20,8 @@ const HASHES: &[(Task, u64)] = &[
     (Task::Stack, 0xbed2_fa58_e79d_9fc3),
     (Task::TPush, 0x0de5_6f06_48f9_19a2),
     (Task::TStack, 0x565c_4258_c0e6_8bad),
+    (Task::Drawer, 0xe1c9_565b_54aa_8120),
+    (Task::DrawerBox, 0x80bf_3923_2179_c9a9),
 ];
 
 #[test]

@@ -39,7 +39,7 @@ where
     C: FnMut(&Stand<E>, Position) -> [f32; ACTION_WIDTH],
 {
     let mut stand = stand();
-    (0..100)
+    let solved = (0..100)
         .filter(|seed| {
             let desired = stand.reset(*seed);
             let mut act = controller();
@@ -49,7 +49,9 @@ where
             }
             is_met(&stand.env, Achieved(stand.scene), &desired)
         })
-        .count()
+        .count();
+    println!("{}: {solved} of 100 solved", stand.env.spec().name);
+    solved
 }
 
 impl<E: Simulated<N>, const N: usize> Stand<E, N> {

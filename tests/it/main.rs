@@ -5,6 +5,7 @@
 mod cli;
 mod determinism;
 mod learning;
+mod options;
 mod resume;
 mod support;
 mod sweep;

@@ -72,6 +72,7 @@ pub(crate) fn resolve(task: Task, args: &SettingsArgs) -> Result<Settings, Setti
 fn recipe(task: Task) -> Option<&'static str> {
     match task {
         Task::Reach => Some(include_str!("../../../recipes/reach.toml")),
+        Task::CuePush => Some(include_str!("../../../recipes/cue-push.toml")),
         _ => None,
     }
 }

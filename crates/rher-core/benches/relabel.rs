@@ -22,6 +22,7 @@ fn spec() -> EnvSpec<1> {
     let same = |from| Reflection { from, sign: 1.0, offset: 0.0 };
     EnvSpec {
         name: "bench".to_owned(),
+        variant: String::new(),
         observation: OBSERVATION,
         action: ACTION,
         episode_steps: STEPS,
