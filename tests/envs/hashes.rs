@@ -5,6 +5,7 @@ use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use rher_core::goal::Achieved;
 use rher_envs::{EnvVisitor, Simulated, Task};
+use std::fmt::Write as _;
 
 /// Of the episode with seed 1 and random actions. A change that moves one of these numbers changes
 /// what was learned and measured before: say so in the change log.
@@ -31,7 +32,7 @@ fn episodes_are_what_they_were_on_every_machine() {
     for task in Task::ALL {
         let hash = task.visit(EpisodeHash);
         if known(task).is_none_or(|(_, known)| *known != hash) {
-            wrong += &format!("    (Task::{task:?}, {hash:#018x}),\n");
+            writeln!(wrong, "    (Task::{task:?}, {hash:#018x}),").unwrap();
         }
     }
     assert!(wrong.is_empty(), "missing from HASHES or changed:\n{wrong}");

@@ -69,7 +69,7 @@ fn the_next_step_starts_the_next_episode() {
     for step in 1..=50 {
         pool.step(&[0.0; 8]).unwrap();
         assert_eq!(pool.ended(), [step == 50; 2]);
-        assert!(pool.rewards().iter().all(|reward| *reward == -1.0 || *reward == 0.0));
+        assert!(pool.rewards().iter().all(|reward| [-1.0, 0.0].contains(reward)));
     }
     let end = pool.now().clone();
     pool.step(&[1.0; 8]).unwrap();

@@ -168,7 +168,7 @@ struct Found {
 
 impl Found {
     fn read(folder: &Path) -> Self {
-        let until = run_dir::read_config(folder).map_or(0.0, |config| config.until);
+        let until = run_dir::read_config(folder).map_or(0.0, |run| run.config.until);
         let mut metrics = run_dir::read_metrics(folder);
         Self { until, last: metrics.pop(), before: metrics.pop() }
     }

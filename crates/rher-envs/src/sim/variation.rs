@@ -52,14 +52,14 @@ impl World {
         let Randomize { friction, mass, size, sensor_noise: _, action_delay: [soonest, latest] } =
             *randomize;
         let friction = draw(friction, rng);
-        if friction != 1.0 {
+        if changes(friction) {
             for (_, collider) in state.colliders.iter_mut() {
                 collider.set_friction(friction * collider.friction());
             }
         }
         for loose in &mut state.loose {
             let (mass, size) = (draw(mass, rng), draw(size, rng));
-            if mass == 1.0 && size == 1.0 {
+            if !changes(mass) && !changes(size) {
                 continue;
             }
             for collider in state.bodies[loose.body.0].colliders().to_vec() {
@@ -99,6 +99,11 @@ impl World {
         let bodies = state.loose.iter().map(|loose| state.bodies[loose.body.0].translation());
         std::iter::once(super::glam(hand.coords)).chain(bodies)
     }
+}
+
+/// Whether a factor does anything.
+fn changes(factor: f32) -> bool {
+    (factor - 1.0).abs() > 0.0
 }
 
 /// Makes a box or a cylinder larger.
