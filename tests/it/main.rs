@@ -7,5 +7,6 @@ mod determinism;
 mod learning;
 mod options;
 mod resume;
+mod stats;
 mod support;
 mod sweep;

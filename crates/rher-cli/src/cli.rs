@@ -47,6 +47,8 @@ pub(crate) enum Command {
     Sweep(SweepArgs),
     /// Measure how often a policy succeeds, with a 95 % confidence interval
     Eval(EvalArgs),
+    /// Compare runs: how soon they succeed, how often in the end, and how sure that is
+    Stats(StatsArgs),
     /// Print every setting of a run as TOML, for `rher train --config`
     Config(ConfigArgs),
     /// Measure the speed of this machine
@@ -224,6 +226,31 @@ pub(crate) struct EvalArgs {
     /// Threads that do the work; never part of the result [default: one for each core]
     #[arg(long, value_name = "N")]
     pub(crate) workers: Option<NonZeroUsize>,
+
+    /// Print JSON: one object
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, Args)]
+#[command(after_long_help = "\
+Examples:
+  rher stats runs/push-rher-fast-*         three seeds, one row
+  rher stats runs/push-* --markdown        every method and preset, for a README
+  rher stats runs/* --json
+
+Runs of the same task, method and preset are one group, each a sample of it. Intervals are 95 %
+bootstrap intervals over the runs of a group, from a fixed seed: the same runs give the same output.
+The probability of improvement is the share of pairs of runs that the first group wins; ties, and
+runs that ended before the other got there, count half.")]
+pub(crate) struct StatsArgs {
+    /// Run folders, each with `config.toml` and `metrics.jsonl`
+    #[arg(required = true, value_name = "RUN")]
+    pub(crate) runs: Vec<PathBuf>,
+
+    /// Print Markdown tables
+    #[arg(long, conflicts_with = "json")]
+    pub(crate) markdown: bool,
 
     /// Print JSON: one object
     #[arg(long)]

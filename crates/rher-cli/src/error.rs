@@ -4,6 +4,7 @@ use crate::exit_code::Status;
 use crate::observe::MetricsError;
 use crate::printer::StdoutError;
 use crate::run_dir::{RunDirError, WriteError};
+use crate::runs::RunError;
 use crate::settings::{Origin, SettingsError, Source};
 use rher_core::agent::policy::PolicyError;
 use rher_core::checkpoint::CheckpointError;
@@ -46,6 +47,7 @@ impl Report {
             .or_else(|| cause.downcast_ref().and_then(Self::of_policy))
             .or_else(|| cause.downcast_ref().and_then(Self::of_evaluate))
             .or_else(|| cause.downcast_ref().and_then(Self::of_metrics))
+            .or_else(|| cause.downcast_ref().map(Self::of_run))
             .or_else(|| cause.downcast_ref().map(foreign))
             .or_else(|| cause.downcast_ref().map(|StdoutError(error)| Self::of_write(error)))
             .or_else(|| {
@@ -201,6 +203,24 @@ impl Report {
             )),
             MetricsError::Write(error) => Some(Self::of_write(&error.source)),
             MetricsError::Read { .. } => None,
+        }
+    }
+
+    fn of_run(error: &RunError) -> Self {
+        match error {
+            RunError::Missing { .. } => Self::new(
+                Status::RunFolder,
+                "name the folder that `rher train` made: it has `config.toml` and `metrics.jsonl`",
+            ),
+            RunError::NoMetrics { .. } => {
+                Self::new(Status::RunFolder, "wait for its first evaluation, or leave this run out")
+            }
+            RunError::Metrics { .. } | RunError::Settings { .. } => {
+                Self::new(Status::Damaged, "bring the file back, or leave this run out")
+            }
+            RunError::Read { .. } => {
+                Self::new(Status::RunFolder, "check that the file can be read")
+            }
         }
     }
 

@@ -7,7 +7,9 @@ mod exit_code;
 mod observe;
 mod printer;
 mod run_dir;
+mod runs;
 mod settings;
+mod statistics;
 
 use clap::Parser as _;
 use std::process::ExitCode;

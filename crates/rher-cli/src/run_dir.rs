@@ -8,8 +8,10 @@ use std::fs::{File, TryLockError};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
-const CONFIG_FILE: &str = "config.toml";
-const METRICS_FILE: &str = "metrics.jsonl";
+/// The settings of a run.
+pub(crate) const CONFIG_FILE: &str = "config.toml";
+/// One line for each evaluation.
+pub(crate) const METRICS_FILE: &str = "metrics.jsonl";
 const LOCK_FILE: &str = ".lock";
 
 /// The folder of a run, locked for as long as this value lives.

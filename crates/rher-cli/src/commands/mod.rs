@@ -3,6 +3,7 @@
 mod bench;
 mod config;
 mod eval;
+mod stats;
 mod sweep;
 mod tasks;
 mod train;
@@ -23,6 +24,7 @@ pub(crate) fn run(command: Command, printer: Printer) -> anyhow::Result<Status> 
         Command::Train(args) => return train::train(&args, printer),
         Command::Sweep(args) => return sweep::sweep(&args, printer),
         Command::Eval(args) => eval::eval(&args, printer)?,
+        Command::Stats(args) => stats::stats(&args, printer)?,
         Command::Config(args) => config::config(&args, printer)?,
         Command::Bench(BenchCommand::Env(args)) => bench::env::bench_env(&args, printer)?,
         Command::Bench(BenchCommand::Update(args)) => bench::update::bench_update(&args, printer)?,
