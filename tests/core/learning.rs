@@ -65,7 +65,9 @@ fn magnet(config: TrainConfig) -> Metrics {
 fn hindsight_and_the_relay_are_what_learns() {
     let mut config = small("magnet", 1);
     config.agent.hidden = vec![128, 128];
-    config.agent.critic_layer_norm = true;
+    config.agent.critics = 2;
+    config.agent.policy_delay = 2;
+    config.agent.target_noise = 0.2;
     config.agent.discount = 0.9;
     config.relay.reach_distance = 0.09;
     config.env_steps = 300 * 25;
