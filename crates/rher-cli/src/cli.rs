@@ -154,7 +154,7 @@ pub(crate) struct SweepArgs {
     #[arg(long, value_name = "N")]
     pub(crate) jobs: Option<NonZeroUsize>,
 
-    /// Folder of the runs' folders [default: `runs/sweep-<TASK>`]
+    /// Folder of the runs' folders; by default `runs/sweep-<TASK>`
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
 
