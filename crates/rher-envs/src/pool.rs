@@ -22,7 +22,8 @@ pub enum AutoReset {
 /// Environments of one task that are stepped together on threads of their own.
 ///
 /// What they see and get lies in one array for each kind of number, one row for each environment.
-/// Stepping allocates nothing of its own, and the number of threads never changes a number.
+/// A step allocates nothing but what the solver and the queue of the threads need, and the number
+/// of threads never changes a number.
 ///
 /// ```
 /// use rher_envs::{AutoReset, Pool, Simulation, tasks::Push};
