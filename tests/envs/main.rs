@@ -19,4 +19,5 @@ mod scripted;
 mod slide;
 mod soak;
 mod support;
+mod things;
 mod traces;

@@ -27,6 +27,7 @@ mod sim;
 mod simulation;
 mod task;
 pub mod tasks;
+pub mod thing;
 
 pub use observation::{Sink, gripper_and_object};
 pub use options::{OptionError, OptionValue, Options, Randomize, TaskOption, TaskOptions};

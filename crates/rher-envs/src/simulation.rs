@@ -3,6 +3,7 @@
 use crate::observation::{Numbers, Reflections, Sink};
 use crate::options::{OptionError, Options, Randomize, TaskOption, TaskOptions};
 use crate::sim::{self, World};
+use crate::thing::Thing;
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use rher_core::env::{Env, EnvError, EnvSpec, Mirror, Reflection, Start};
@@ -104,6 +105,17 @@ pub trait Simulated<const N: usize>: Env<N> + 'static {
 
     /// What was set when it was made.
     fn options(&self) -> &Options;
+
+    /// Everything that can be seen but the floor at height 0, where it really is, whatever sensors
+    /// tell.
+    fn things(&self) -> Vec<Thing>;
+
+    /// Marks of where the objects should go, the first object's first, named `goal_1` and so on.
+    fn goals(&self, desired: &Desired<N>) -> Vec<Thing> {
+        let tolerances = self.spec().tolerances.objects;
+        let goals = desired.objects().iter().zip(tolerances).enumerate();
+        goals.map(|(index, (place, tolerance))| Thing::goal(index, *place, tolerance)).collect()
+    }
 }
 
 /// A [`Scenario`] in a world of its own.
@@ -258,6 +270,10 @@ impl<S: Scenario<N>, const N: usize> Simulated<N> for Simulation<S, N> {
 
     fn options(&self) -> &Options {
         &self.options
+    }
+
+    fn things(&self) -> Vec<Thing> {
+        self.world.things()
     }
 
     fn state(&self) -> State<S, N> {

@@ -1,7 +1,9 @@
 //! A cabinet with a drawer that is pulled by its handle.
 
+use super::looks::{DRAWER as PAINT, FURNITURE};
 use super::scenery::with_friction;
 use super::{Body, Motion, Scenery, World};
+use crate::thing::object_colour;
 use nalgebra::Vector3;
 use rapier3d::prelude::{
     ColliderBuilder, GenericJointBuilder, JointAxesMask, JointAxis, LockedAxes, MotorModel,
@@ -86,6 +88,9 @@ impl Scenery {
             .motor_max_force(JointAxis::LinX, FRICTION)
             .contacts_enabled(false);
         self.joints.insert(case, drawer, slide, true);
+        self.show("cabinet", Body(case), &[FURNITURE]);
+        // The handle is the object.
+        self.show("drawer", Body(drawer), &[PAINT, PAINT, PAINT, PAINT, PAINT, object_colour(0)]);
         Cabinet { case: Body(case), drawer: Body(drawer) }
     }
 }

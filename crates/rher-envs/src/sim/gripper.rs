@@ -4,6 +4,7 @@
 //! like a critically damped spring. Here a [`Lead`] is that spring, and the fingers are driven
 //! after it by a force with an upper limit, so that whatever is in the way stays in one piece.
 
+use super::looks::{Look, METAL, Solid};
 use super::scenery::with_friction;
 use super::{nalgebra, point};
 use ::nalgebra::{ComplexField, Vector3};
@@ -126,6 +127,8 @@ pub(super) struct Gripper {
     opening: Opening,
     /// From the hand's centre down to the grip centre, in metres.
     height: f32,
+    /// Half the length of the fingers or the cue, in metres.
+    half_length: f32,
     /// From where the robot stands in `FetchPush` to where it stands.
     robot: Vector,
     range: HandRange,
@@ -190,9 +193,9 @@ impl Gripper {
         colliders: &mut ColliderSet,
         joints: &mut ImpulseJointSet,
     ) -> Self {
-        let height = match fingers {
-            Fingers::Locked | Fingers::Free => FINGER_HEIGHT,
-            Fingers::Cue => CUE_HALF_LENGTH,
+        let (height, half_length) = match fingers {
+            Fingers::Locked | Fingers::Free => (FINGER_HEIGHT, FINGER_HALF.z),
+            Fingers::Cue => (CUE_HALF_LENGTH, CUE_HALF_LENGTH),
         };
         let centre = home + Vector::Z * height;
         let mut add = |y: f32, shape: ColliderBuilder, mass: f32| {
@@ -237,6 +240,7 @@ impl Gripper {
             lead: Lead { position: centre, velocity: Vector::ZERO, target: centre },
             opening: Opening { position: 0.0, velocity: 0.0, target: 0.0 },
             height,
+            half_length,
             robot: Vector::ZERO,
             range: HandRange::default(),
         }
@@ -303,6 +307,22 @@ impl Gripper {
                 }
             }
         }
+    }
+
+    /// The fingers or the cue, as they are seen.
+    pub(super) fn looks(&self) -> Vec<Look> {
+        let look = |name: &str, body| Look::new(name, Solid::Body(body), &[METAL]);
+        match self.hand {
+            Hand::Closed(body) => vec![look("fingers", body)],
+            Hand::Fingers([left, right], _) => {
+                vec![look("finger_left", left), look("finger_right", right)]
+            }
+        }
+    }
+
+    /// From the grip centre to the upper end of the fingers or the cue, in metres.
+    pub(super) fn top(&self) -> f32 {
+        self.height + self.half_length
     }
 
     /// The gripper now.

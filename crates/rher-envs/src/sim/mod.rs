@@ -5,6 +5,7 @@
 mod cabinet;
 mod camera;
 mod gripper;
+mod looks;
 mod scenery;
 mod variation;
 
@@ -18,6 +19,7 @@ pub(crate) use scenery::{
 
 use camera::Camera;
 use gripper::{Gripper, HandRange};
+use looks::Look;
 use nalgebra::{ComplexField, Point3, Quaternion, UnitQuaternion, Vector3};
 use rapier3d::prelude::{
     BroadPhaseBvh, CCDSolver, ColliderSet, FrictionModel, ImpulseJointSet, IntegrationParameters,
@@ -64,6 +66,8 @@ pub struct World {
     parameters: IntegrationParameters,
     multibody_joints: MultibodyJointSet,
     soft_bodies: SoftBodySet,
+    /// What can be seen, besides the palm above the fingers.
+    looks: Vec<Look>,
     /// What looks at hand and objects; where there is none they are seen where they are.
     watch: Option<Watch>,
     /// Whether everything is told as it is, and not as it is seen.
@@ -132,6 +136,7 @@ impl World {
             colliders,
             joints,
             loose: Vec::new(),
+            looks: gripper.looks(),
             robot: Vector3::zeros(),
             hand_range: HandRange::default(),
         };
@@ -157,6 +162,7 @@ impl World {
             parameters: parameters(),
             multibody_joints: MultibodyJointSet::new(),
             soft_bodies: SoftBodySet::new(),
+            looks: scenery.looks,
             watch: None,
             is_bare: false,
             state: initial.clone(),
@@ -281,6 +287,8 @@ pub struct Scenery {
     joints: ImpulseJointSet,
     /// What can be moved freely.
     loose: Vec<Loose>,
+    /// What can be seen.
+    looks: Vec<Look>,
     /// From where the robot stands in `FetchPush` to where it stands here, in metres.
     robot: Vector3<f32>,
     hand_range: HandRange,

@@ -1,7 +1,9 @@
 //! What stands around the gripper.
 
+use super::looks::{FURNITURE, Look, Solid, TABLE};
 use super::variation::Loose;
 use super::{Body, Scenery, glam};
+use crate::thing::{Colour, object_colour};
 use nalgebra::Vector3;
 use rapier3d::prelude::{
     CoefficientCombineRule, ColliderBuilder, RigidBodyBuilder, RigidBodyHandle, Vector,
@@ -57,17 +59,21 @@ pub(crate) const PLATE_HEIGHT: f32 = 0.08;
 impl Scenery {
     /// The ground on which what leaves the table ends up.
     pub(super) fn floor(&mut self) {
-        self.fixed_box(Position::new(1.3, 0.75, -0.5), Vector3::new(10.0, 10.0, 0.5));
+        let floor = ColliderBuilder::cuboid(10.0, 10.0, 0.5);
+        self.colliders.insert(with_friction(floor).translation(Vector::new(1.3, 0.75, -0.5)));
     }
 
     /// The table of every Fetch task but Slide: its top is 0.4 m high.
     pub fn table(&mut self) {
-        self.fixed_box(Position::new(1.3, 0.75, 0.2), Vector3::new(0.25, 0.35, 0.2));
+        self.table_of(Vector::new(1.3, 0.75, 0.2), Vector::new(0.25, 0.35, 0.2), with_friction);
     }
 
     /// A cube of 5 cm and 2 kg.
     pub fn block(&mut self) -> Body {
-        self.cube(RigidBodyBuilder::dynamic(), BLOCK_MASS)
+        let index = self.loose.len();
+        let block = self.cube(RigidBodyBuilder::dynamic(), BLOCK_MASS);
+        self.show(&format!("block_{}", index + 1), block, &[object_colour(index)]);
+        block
     }
 
     /// The cube of 5 cm and 4 kg in the drawer, which moves as if through honey.
@@ -75,7 +81,10 @@ impl Scenery {
         let body = RigidBodyBuilder::dynamic()
             .linear_damping(SLUGGISH_DAMPING / SLUGGISH_MASS)
             .angular_damping(SLUGGISH_DAMPING / SLUGGISH_INERTIA);
-        self.cube(body, SLUGGISH_MASS)
+        let block = self.cube(body, SLUGGISH_MASS);
+        // The first object is the handle of the drawer.
+        self.show("block", block, &[object_colour(1)]);
+        block
     }
 
     fn cube(&mut self, body: RigidBodyBuilder, mass: f32) -> Body {
@@ -98,7 +107,7 @@ impl Scenery {
 
     /// The table of Drawer and `DrawerBox`: its top is 0.32 m high.
     pub(crate) fn cabinet_table(&mut self) {
-        self.fixed_box(Position::new(1.42, 0.75, 0.16), Vector3::new(0.25, 0.35, 0.16));
+        self.table_of(Vector::new(1.42, 0.75, 0.16), Vector::new(0.25, 0.35, 0.16), with_friction);
     }
 
     /// Moves the robot from where it stands in `FetchPush`, by metres: its arm reaches elsewhere.
@@ -108,13 +117,13 @@ impl Scenery {
 
     /// The table of Slide: its top is 0.4 m high, and slippery.
     pub(crate) fn slide_table(&mut self) {
-        let top = ColliderBuilder::cuboid(0.625, 0.45, 0.2).friction(SLIPPERY);
-        self.colliders.insert(top.translation(Vector::new(1.3244, 0.7502, 0.2)));
+        let half = Vector::new(0.625, 0.45, 0.2);
+        self.table_of(Vector::new(1.3244, 0.7502, 0.2), half, |top| top.friction(SLIPPERY));
     }
 
     /// The table of Insert: its top is 0.36 m high.
     pub(crate) fn low_table(&mut self) {
-        self.fixed_box(Position::new(1.3, 0.75, 0.18), Vector3::new(0.25, 0.35, 0.18));
+        self.table_of(Vector::new(1.3, 0.75, 0.18), Vector::new(0.25, 0.35, 0.18), with_friction);
     }
 
     /// A slippery disc of 5 cm across, 4 cm high, 2 kg.
@@ -126,13 +135,14 @@ impl Scenery {
             .friction(SLIPPERY)
             .mass(PUCK_MASS);
         self.colliders.insert_with_parent(disc, body, &mut self.bodies);
+        self.show("puck", Body(body), &[object_colour(0)]);
         self.loose(body)
     }
 
     /// A table of smooth wood: its top is 0.4 m high.
     pub(crate) fn wooden_table(&mut self) {
-        let top = ColliderBuilder::cuboid(0.25, 0.35, 0.2).friction(WOOD_ON_WOOD);
-        self.colliders.insert(top.translation(Vector::new(1.3, 0.75, 0.2)));
+        let half = Vector::new(0.25, 0.35, 0.2);
+        self.table_of(Vector::new(1.3, 0.75, 0.2), half, |top| top.friction(WOOD_ON_WOOD));
     }
 
     /// An upright cylinder of wood, of 5 cm across and 3 cm high.
@@ -144,6 +154,7 @@ impl Scenery {
             .friction(WOOD_ON_WOOD)
             .mass(CYLINDER_MASS);
         self.colliders.insert_with_parent(cylinder, body, &mut self.bodies);
+        self.show("cylinder", Body(body), &[object_colour(0)]);
         self.loose(body)
     }
 
@@ -164,6 +175,7 @@ impl Scenery {
         let [x, y, z] = OBSTACLE_HALF;
         let cuboid = with_friction(ColliderBuilder::cuboid(x, y, z));
         self.colliders.insert_with_parent(cuboid, body, &mut self.bodies);
+        self.show("obstacle", Body(body), &[FURNITURE]);
         Body(body)
     }
 
@@ -186,13 +198,26 @@ impl Scenery {
             let wall = wall.translation(Vector::new(x, y, 0.0));
             self.colliders.insert_with_parent(wall, body, &mut self.bodies);
         }
+        self.show("plate", Body(body), &[FURNITURE]);
         Body(body)
     }
 
-    /// A box that nothing moves, from its centre and half its edges.
-    fn fixed_box(&mut self, centre: Position, half: Vector3<f32>) {
-        let cuboid = ColliderBuilder::cuboid(half.x, half.y, half.z);
-        self.colliders.insert(with_friction(cuboid).translation(glam(centre.coords)));
+    /// A table, from its centre, half its edges, and how its top is to the touch.
+    fn table_of(
+        &mut self,
+        centre: Vector,
+        half: Vector,
+        touch: impl FnOnce(ColliderBuilder) -> ColliderBuilder,
+    ) {
+        let table = touch(ColliderBuilder::cuboid(half.x, half.y, half.z)).translation(centre);
+        let table = self.colliders.insert(table);
+        self.looks.push(Look::new("table", Solid::Ground(table), &[TABLE]));
+    }
+
+    /// Says how a body looks: the colour of each of its colliders, the last being that of all
+    /// others.
+    pub(super) fn show(&mut self, name: &str, body: Body, colours: &[Colour]) {
+        self.looks.push(Look::new(name, Solid::Body(body.0), colours));
     }
 }
 
