@@ -521,6 +521,7 @@ fn speed_is_measured_for_programs_too() {
             "engine",
             "gflops",
             "inputs",
+            "mean_ms_per_update",
             "ms_per_update",
             "peak_gflops",
             "threads"

@@ -4,6 +4,7 @@ use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
+use rayon::ThreadPoolBuilder;
 use rher_core::agent;
 use rher_core::agent::config::{AgentConfig, EngineKind, Init, TargetEvery};
 use rher_core::agent::learner::LearnerState;
@@ -48,15 +49,19 @@ fn update(criterion: &mut Criterion) {
                     let mut rng = ChaCha8Rng::seed_from_u64(0);
                     let config = td3(engine);
                     let state = LearnerState::new(&config, input, ACTION, &mut rng);
-                    let mut learner =
-                        agent::engine(&config, state, threads).expect("threads can be started");
+                    let mut learner = agent::engine(&config, state);
+                    let pool = ThreadPoolBuilder::new().num_threads(threads).build();
+                    let pool = pool.expect("threads can be started");
                     let batch = draw_batch(rows, input, &mut rng);
                     let mut noise = vec![0.0; rows * ACTION];
                     noise.fill_with(|| rng.sample(StandardNormal));
                     let id = BenchmarkId::new(name, format!("{rows}x{input}/{threads}"));
                     group.bench_function(id, |bencher| {
                         // A mean over updates with and without the actor.
-                        bencher.iter(|| learner.update(&batch, &noise).expect("finite gradients"));
+                        pool.install(|| {
+                            bencher
+                                .iter(|| learner.update(&batch, &noise).expect("finite gradients"));
+                        });
                     });
                 }
             }

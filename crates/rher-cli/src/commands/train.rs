@@ -101,7 +101,7 @@ impl EnvVisitor for Session {
                     trainer.set_until(until);
                 }
                 if let Some(engine) = engine {
-                    trainer.set_engine(engine.into())?;
+                    trainer.set_engine(engine.into());
                 }
                 if let Some(finish) = trainer.finished() {
                     printer.note(already_finished(finish, &folder, trainer.progress()));

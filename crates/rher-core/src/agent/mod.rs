@@ -19,17 +19,14 @@ mod agreement;
 #[cfg(all(test, feature = "agent"))]
 mod contract;
 
-/// The engine that `config` names, going on from `state` on at most this many threads.
+/// The engine that `config` names, going on from `state`.
 #[cfg(feature = "agent")]
 pub fn engine(
     config: &config::AgentConfig,
     state: learner::LearnerState,
-    threads: usize,
-) -> Result<Box<dyn learner::Engine>, rayon::ThreadPoolBuildError> {
-    Ok(match config.engine {
+) -> Box<dyn learner::Engine> {
+    match config.engine {
         config::EngineKind::Burn => Box::new(burn::BurnEngine::from_state(config, state)),
-        config::EngineKind::Fused => {
-            Box::new(fused::FusedEngine::from_state(config, state).with_threads(threads)?)
-        }
-    })
+        config::EngineKind::Fused => Box::new(fused::FusedEngine::from_state(config, state)),
+    }
 }

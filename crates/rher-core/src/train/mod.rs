@@ -8,7 +8,7 @@ use crate::agent::network::Shape;
 use crate::agent::policy::{About, Policy};
 use crate::batch::Batch;
 use crate::checkpoint::{self, CheckpointError};
-use crate::config::{BatchMode, ConfigError, Method, TrainConfig};
+use crate::config::{BatchMode, ConfigError, Method, ReplayConfig, TrainConfig};
 use crate::env::Env;
 use crate::episode::{Episode, RolloutError, rollout};
 use crate::evaluate::{EvaluateError, Evaluation, evaluate};
@@ -222,8 +222,7 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
         let relabeler = Relabeler::new(&config.relay, &spec);
         let noise = vec![0.0; rows * stages.len() * about.action];
         let actor_shape = learner.actor.shape.clone();
-        let mut engine = crate::agent::engine(&state.config.agent, learner, workers)
-            .map_err(|source| TrainError::Threads { workers, source })?;
+        let mut engine = crate::agent::engine(&state.config.agent, learner);
         let policy = Policy::new(
             state.about.clone(),
             state.encoder.clone(),
@@ -263,13 +262,10 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
     }
 
     /// Goes on with another engine from where this one is.
-    pub fn set_engine(&mut self, engine: EngineKind) -> Result<(), TrainError> {
+    pub fn set_engine(&mut self, engine: EngineKind) {
         let agent = &mut self.state.config.agent;
         agent.engine = engine;
-        let workers = self.pool.current_num_threads();
-        self.engine = crate::agent::engine(agent, self.engine.state(), workers)
-            .map_err(|source| TrainError::Threads { workers, source })?;
-        Ok(())
+        self.engine = crate::agent::engine(agent, self.engine.state());
     }
 
     /// How far the run is.
@@ -386,43 +382,55 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
 
     /// Makes the updates that belong to the last `episodes` episodes.
     fn learn(&mut self, episodes: u64) -> Result<(), TrainError> {
-        let TrainConfig { seed, replay, agent, .. } = &self.state.config;
-        let (seed, rounds) = (*seed, replay.updates_per_episode as u64 * episodes);
+        let Self { state, pool, replay, relabeler, batches, noise, engine, .. } = self;
+        let TrainConfig {
+            seed,
+            replay: ReplayConfig { updates_per_episode, warmup_episodes, .. },
+            agent,
+            ..
+        } = &state.config;
+        let (seed, rounds) = (*seed, *updates_per_episode as u64 * episodes);
         let AgentConfig { target_noise, target_every, .. } = *agent;
-        if self.state.episodes <= replay.warmup_episodes {
+        if state.episodes <= *warmup_episodes {
             return Ok(());
         }
-        for _ in 0..rounds {
-            for SubtaskBatch { stages, batch } in &mut self.batches {
-                let drawing = Instant::now();
-                let update = self.state.updates;
-                let mut rng = Seed(seed).stream(Purpose::Batch, update);
-                let rows = batch.rows() / stages.len();
-                for (index, stage) in stages.iter().enumerate() {
-                    let rewarded = self.relabeler.draw(
-                        &self.replay,
-                        &self.state.encoder,
-                        *stage,
-                        batch,
-                        index * rows..(index + 1) * rows,
-                        &mut rng,
-                    );
-                    self.state.tally.batch(*stage, rewarded, rows);
+        // All of it inside the pool: entering it anew for every update would wait each time until
+        // a busy machine lets the pool's thread on.
+        pool.install(|| {
+            for _ in 0..rounds {
+                for SubtaskBatch { stages, batch } in &mut *batches {
+                    let drawing = Instant::now();
+                    let update = state.updates;
+                    let mut rng = Seed(seed).stream(Purpose::Batch, update);
+                    let rows = batch.rows() / stages.len();
+                    for (index, stage) in stages.iter().enumerate() {
+                        let rewarded = relabeler.draw(
+                            replay,
+                            &state.encoder,
+                            *stage,
+                            batch,
+                            index * rows..(index + 1) * rows,
+                            &mut rng,
+                        );
+                        state.tally.batch(*stage, rewarded, rows);
+                    }
+                    let noise = &mut noise[..batch.rows() * batch.action];
+                    if target_noise > 0.0 {
+                        noise.fill_with(|| rng.sample(StandardNormal));
+                    }
+                    let updating = Instant::now();
+                    let env_steps = state.env_steps;
+                    let not_finite =
+                        |source| TrainError::NotFinite { update, env_steps, seed, source };
+                    let losses = engine.update(batch, noise).map_err(not_finite)?;
+                    state.updates += 1;
+                    state.tally.update(&losses);
+                    state.seconds.relabel += (updating - drawing).as_secs_f64();
+                    state.seconds.update += updating.elapsed().as_secs_f64();
                 }
-                let noise = &mut self.noise[..batch.rows() * batch.action];
-                if target_noise > 0.0 {
-                    noise.fill_with(|| rng.sample(StandardNormal));
-                }
-                let updating = Instant::now();
-                let env_steps = self.state.env_steps;
-                let not_finite = |source| TrainError::NotFinite { update, env_steps, seed, source };
-                let losses = self.engine.update(batch, noise).map_err(not_finite)?;
-                self.state.updates += 1;
-                self.state.tally.update(&losses);
-                self.state.seconds.relabel += (updating - drawing).as_secs_f64();
-                self.state.seconds.update += updating.elapsed().as_secs_f64();
             }
-        }
+            Ok::<_, TrainError>(())
+        })?;
         if target_every == TargetEvery::Episode {
             self.engine.move_targets();
         }

@@ -8,6 +8,7 @@ use clap::ValueEnum as _;
 use cpu_time::ProcessTime;
 use rand::RngExt as _;
 use rand_distr::StandardNormal;
+use rayon::ThreadPoolBuilder;
 use rher_core::agent;
 use rher_core::agent::config::AgentConfig;
 use rher_core::agent::fused::{flops, gemm_peak};
@@ -42,6 +43,8 @@ struct UpdateSpeed {
     threads: usize,
     /// Median on the wall clock.
     ms_per_update: f64,
+    /// Mean over the same updates: with what else ran on the machine meanwhile.
+    mean_ms_per_update: f64,
     /// Mean over the same updates, all threads added up.
     cpu_ms_per_update: f64,
     /// Of the matrix products alone, at the median.
@@ -125,7 +128,7 @@ fn measure(
     let mut noise = vec![0.0; batch * ACTION];
     noise.fill_with(|| rng.sample(StandardNormal));
 
-    let mut learner = agent::engine(&config, state, threads)?;
+    let mut learner = agent::engine(&config, state);
     let mut time = |least: Duration| -> anyhow::Result<Vec<f64>> {
         let started = Instant::now();
         let mut seconds = Vec::new();
@@ -139,10 +142,14 @@ fn measure(
         Ok(seconds)
     };
     let peak = peak(threads);
-    time(WARM_UP)?;
-    let cpu = ProcessTime::now();
-    let mut seconds = time(MEASURED)?;
+    let pool = ThreadPoolBuilder::new().num_threads(threads).build()?;
+    let (mut seconds, cpu) = pool.install(|| -> anyhow::Result<_> {
+        time(WARM_UP)?;
+        let cpu = ProcessTime::now();
+        Ok((time(MEASURED)?, cpu))
+    })?;
     let cpu = cpu.elapsed().as_secs_f64() / (seconds.len() as f64 * f64::from(TOGETHER));
+    let mean = seconds.iter().sum::<f64>() / seconds.len() as f64;
     seconds.sort_by(f64::total_cmp);
     let median = seconds[seconds.len() / 2];
     Ok(UpdateSpeed {
@@ -151,6 +158,7 @@ fn measure(
         engine: engine.name(),
         threads,
         ms_per_update: 1e3 * median,
+        mean_ms_per_update: 1e3 * mean,
         cpu_ms_per_update: 1e3 * cpu,
         gflops: flops(&config, batch, inputs, ACTION) / median / 1e9,
         peak_gflops: peak / 1e9,

@@ -21,7 +21,6 @@ use gemm::Gemm;
 use network::Network;
 use optimizer::Move;
 use pass::Machine;
-use rayon::ThreadPool;
 use simd::Simd;
 use slice::{Job, Slice, Sums};
 use threads::for_each;
@@ -37,6 +36,7 @@ const SLICES: usize = 16;
 
 /// Trains without an autodiff graph and, after the first update, without allocating.
 ///
+/// Called on a thread of a rayon pool it uses that pool, and otherwise the caller's thread alone.
 /// A batch is cut in slices by its size alone, and their gradients are added in a fixed order:
 /// the results are the same bits for any number of threads.
 #[derive(Debug)]
@@ -47,12 +47,10 @@ pub struct FusedEngine {
     critics: Vec<Network>,
     updates: u64,
     slices: Vec<Slice>,
-    /// `None` to work on the caller's thread.
-    pool: Option<ThreadPool>,
 }
 
 impl FusedEngine {
-    /// An engine on the caller's thread that continues from `state`.
+    /// An engine that continues from `state`.
     pub fn from_state(config: &AgentConfig, state: LearnerState) -> Self {
         Self::on(Simd::detect(), config, state)
     }
@@ -73,19 +71,7 @@ impl FusedEngine {
                 .collect(),
             updates,
             slices: Vec::new(),
-            pool: None,
         }
-    }
-
-    /// The same engine on `threads` threads of its own.
-    pub fn with_threads(mut self, threads: usize) -> Result<Self, rayon::ThreadPoolBuildError> {
-        self.pool = if threads > 1 {
-            let name = |index| format!("learner {index}");
-            Some(rayon::ThreadPoolBuilder::new().num_threads(threads).thread_name(name).build()?)
-        } else {
-            None
-        };
-        Ok(self)
     }
 
     /// Of one critic's loss in the last update, in the layout of its shape.
@@ -113,14 +99,24 @@ impl FusedEngine {
             })
             .collect();
     }
+}
 
-    fn update_slices(
-        &mut self,
-        batch: &Batch,
-        noise: &[f32],
-        parallel: bool,
-    ) -> Result<Losses, NotFinite> {
-        let Self { config, machine, actor, critics, updates, slices, .. } = self;
+/// The first place where the gradients of the last pass are not finite.
+fn check(slices: &[Slice], actor: &Network, critics: &[Network]) -> Result<(), NotFinite> {
+    let Some(slice) = slices.iter().find(|slice| !slice.finite) else { return Ok(()) };
+    let of_critics = critics.iter().zip(&slice.critic_gradients).enumerate();
+    let mut found = of_critics.filter_map(|(index, (critic, gradient))| {
+        NotFinite::find(&format!("critic {}", index + 1), &critic.shape, gradient)
+    });
+    let of_actor = || NotFinite::find("the actor", &actor.shape, &slice.actor_gradient);
+    found.next().or_else(of_actor).map_or(Ok(()), Err)
+}
+
+impl Engine for FusedEngine {
+    fn update(&mut self, batch: &Batch, noise: &[f32]) -> Result<Losses, NotFinite> {
+        self.cut(batch.rows());
+        let parallel = rayon::current_thread_index().is_some();
+        let Self { config, machine, actor, critics, updates, slices } = self;
         let machine = *machine;
         let actor_moves = (*updates + 1).is_multiple_of(config.policy_delay);
         let targets_move = actor_moves && config.target_every == TargetEvery::Update;
@@ -164,31 +160,6 @@ impl FusedEngine {
                 as f32,
             actor_gradient: actor_moves.then(|| actor.squared_norm.sqrt() as f32),
         })
-    }
-}
-
-/// The first place where the gradients of the last pass are not finite.
-fn check(slices: &[Slice], actor: &Network, critics: &[Network]) -> Result<(), NotFinite> {
-    let Some(slice) = slices.iter().find(|slice| !slice.finite) else { return Ok(()) };
-    let of_critics = critics.iter().zip(&slice.critic_gradients).enumerate();
-    let mut found = of_critics.filter_map(|(index, (critic, gradient))| {
-        NotFinite::find(&format!("critic {}", index + 1), &critic.shape, gradient)
-    });
-    let of_actor = || NotFinite::find("the actor", &actor.shape, &slice.actor_gradient);
-    found.next().or_else(of_actor).map_or(Ok(()), Err)
-}
-
-impl Engine for FusedEngine {
-    fn update(&mut self, batch: &Batch, noise: &[f32]) -> Result<Losses, NotFinite> {
-        self.cut(batch.rows());
-        match self.pool.take() {
-            Some(pool) => {
-                let losses = pool.install(|| self.update_slices(batch, noise, true));
-                self.pool = Some(pool);
-                losses
-            }
-            None => self.update_slices(batch, noise, false),
-        }
     }
 
     fn move_targets(&mut self) {

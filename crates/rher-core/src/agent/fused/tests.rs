@@ -339,9 +339,9 @@ fn results_do_not_depend_on_the_number_of_threads() {
         let mut alone = FusedEngine::from_state(&config, state.clone());
         let expected = train(&mut alone, rows, 4);
         for threads in [1, 2, 3] {
-            let engine = FusedEngine::from_state(&config, state.clone());
-            let mut engine = engine.with_threads(threads).unwrap();
-            assert_eq!(train(&mut engine, rows, 4), expected);
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let mut engine = FusedEngine::from_state(&config, state.clone());
+            assert_eq!(pool.install(|| train(&mut engine, rows, 4)), expected);
         }
     }
 }
