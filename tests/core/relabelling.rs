@@ -5,7 +5,7 @@ use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use rher_core::batch::Batch;
 use rher_core::config::{GoalFrame, Preset};
-use rher_core::env::{EnvSpec, Mirror, Reflection};
+use rher_core::env::{EnvSpec, Exchange, Image, Mirror};
 use rher_core::episode::Episode;
 use rher_core::goal::{
     Achieved, Desired, EncodedGoal, LaterObjects, Position, Scene, Stage, Tolerances,
@@ -16,7 +16,7 @@ use rher_core::replay::Replay;
 
 const STEPS: usize = 6;
 
-fn spec(mirror: Option<Mirror>) -> EnvSpec<2> {
+fn spec(mirror: Option<Mirror>, exchanges: Vec<Exchange<2>>) -> EnvSpec<2> {
     EnvSpec {
         name: "law".to_owned(),
         variant: String::new(),
@@ -26,6 +26,7 @@ fn spec(mirror: Option<Mirror>) -> EnvSpec<2> {
         subtasks: 4,
         tolerances: Tolerances::uniform(0.05),
         mirror,
+        exchanges,
     }
 }
 
@@ -58,14 +59,21 @@ fn relabeler(hindsight: f32, later_objects: LaterObjects, mirror: f32) -> Relabe
     config.hindsight = hindsight;
     config.later_objects = later_objects;
     config.mirror = mirror;
-    let reflect = |sign| Reflection { from: 0, sign, offset: 0.0 };
+    let reflect = |sign| Image { from: 0, sign, offset: 0.0 };
     let mirror = Mirror {
         axis: 1,
         centre: 0.1,
-        observation: vec![reflect(1.0), Reflection { from: 1, sign: -1.0, offset: 0.2 }],
+        observation: vec![reflect(1.0), Image { from: 1, sign: -1.0, offset: 0.2 }],
         action: vec![reflect(-1.0)],
     };
-    Relabeler::new(&config, &spec(Some(mirror)))
+    Relabeler::new(&config, &spec(Some(mirror), Vec::new()))
+}
+
+/// The two objects change places; the two numbers of an observation belong to one each, the second
+/// with the other sign.
+fn exchange() -> Exchange<2> {
+    let from = |from| Image { from, sign: -1.0, offset: 0.0 };
+    Exchange { objects: [1, 0], observation: vec![from(1), from(0)] }
 }
 
 proptest! {
@@ -116,7 +124,7 @@ proptest! {
     fn rows_are_steps_of_stored_episodes(
         episodes in prop::collection::vec(episode(), 1..5), stage in 0..4_usize, seed: u64,
     ) {
-        let spec = spec(None);
+        let spec = spec(None, Vec::new());
         let mut replay = Replay::new(&spec, 3 * STEPS);
         for episode in &episodes {
             replay.push(episode);
@@ -144,7 +152,7 @@ proptest! {
 
     #[test]
     fn a_mirrored_batch_is_the_mirror_image(episode in episode(), stage in 0..4_usize, seed: u64) {
-        let spec = spec(None);
+        let spec = spec(None, Vec::new());
         let mut replay = Replay::new(&spec, STEPS);
         replay.push(&episode);
         let encoder = InputEncoder::new(GoalFrame::Absolute, 2, 2);
@@ -170,6 +178,44 @@ proptest! {
         for (a, b) in plain.actions.iter().zip(&mirrored.actions) {
             prop_assert_eq!(*a, -b);
         }
+    }
+}
+
+proptest! {
+    /// Whether a batch is drawn from an episode with its objects exchanged, or the objects are
+    /// exchanged when it is drawn.
+    #[test]
+    fn an_exchanged_batch_is_that_of_the_exchanged_episode(
+        episode in episode(), stage in 0..4_usize, seed: u64,
+    ) {
+        let spec = spec(None, vec![exchange()]);
+        let order = exchange().objects;
+        // The first object takes nobody's place.
+        let order = if stage < 2 { [0, 1] } else { order };
+        let mut other = episode.clone();
+        other.desired = episode.desired.reordered(&order);
+        other.achieved = episode.achieved.iter().map(|a| Achieved(a.0.reordered(&order))).collect();
+        let pairs = episode.observations.chunks_exact(2).zip(other.observations.chunks_exact_mut(2));
+        for (observation, image) in pairs {
+            if stage >= 2 {
+                Image::apply(&exchange().observation, observation, image);
+            }
+        }
+        let encoder = InputEncoder::new(GoalFrame::Relative, 2, 2);
+        let stage = Stage::from_index(stage).unwrap();
+        let draw = |episode, exchange| {
+            let mut config = Preset::Paper.config("law", 2).relay;
+            config.exchange = exchange;
+            let mut replay = Replay::new(&spec, STEPS);
+            replay.push(episode);
+            let mut batch = Batch::zeros(8, encoder.width(), 1);
+            let mut rng = ChaCha8Rng::seed_from_u64(seed);
+            Relabeler::new(&config, &spec)
+                .draw(&replay, &encoder, stage, &mut batch, 0..8, &mut rng);
+            batch
+        };
+        // One share is always drawn, the other never.
+        prop_assert_eq!(draw(&episode, 1.0), draw(&other, f32::MIN_POSITIVE));
     }
 }
 

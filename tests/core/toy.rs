@@ -33,6 +33,7 @@ impl<const N: usize> Magnet<N> {
                 subtasks: 2 * N,
                 tolerances: Tolerances::uniform(0.07),
                 mirror: None,
+                exchanges: Vec::new(),
             },
             scene: Scene { gripper: origin, objects: [origin; N] },
             desired: [origin; N],
@@ -99,6 +100,7 @@ impl Probe {
                 subtasks: 2,
                 tolerances: Tolerances::uniform(0.05),
                 mirror: None,
+                exchanges: Vec::new(),
             },
             target,
         }

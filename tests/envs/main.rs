@@ -8,6 +8,7 @@ mod contract;
 mod cue_push;
 mod determinism;
 mod drawer;
+mod exchange;
 mod hashes;
 mod insert;
 mod mirror;

@@ -3,7 +3,7 @@
 use crate::support::{random_action, seen_clearly};
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
-use rher_core::env::{Mirror, Reflection};
+use rher_core::env::{Image, Mirror};
 use rher_core::goal::{Achieved, Position, Scene};
 use rher_envs::{EnvVisitor, Layout, Simulated, Task};
 
@@ -31,13 +31,13 @@ impl EnvVisitor for Mirrored {
             let start = env.reset(seed, &mut observation).unwrap();
             let layout = mirrored_layout(&mirror, start.achieved, start.desired.objects());
             image.arrange(layout, &mut seen).unwrap();
-            Reflection::apply(&mirror.observation, &observation, &mut expected);
+            Image::apply(&mirror.observation, &observation, &mut expected);
             assert_near(task, &seen, &expected, 1e-5);
             // Held for a few steps each, so that the hand gets somewhere.
             'episode: for _ in 0..5 {
                 let action = &random_action(&mut rng)[..env.spec().action];
                 let mut mirrored = vec![0.0; action.len()];
-                Reflection::apply(&mirror.action, action, &mut mirrored);
+                Image::apply(&mirror.action, action, &mut mirrored);
                 for _ in 0..5 {
                     let Achieved(here) = env.step(action, &mut observation).unwrap();
                     image.step(&mirrored, &mut seen).unwrap();
@@ -45,7 +45,7 @@ impl EnvVisitor for Mirrored {
                     if touched(&here, &start.achieved.0) {
                         break 'episode;
                     }
-                    Reflection::apply(&mirror.observation, &observation, &mut expected);
+                    Image::apply(&mirror.observation, &observation, &mut expected);
                     assert_near(task, &seen, &expected, 1e-3);
                 }
             }
@@ -87,7 +87,7 @@ fn a_block_turns_the_other_way_in_the_mirror() {
     push.reset(0);
     let mirror = rher_core::env::Env::spec(&push.env).mirror.clone().unwrap();
     let mut expected = vec![0.0; here.len()];
-    Reflection::apply(&mirror.observation, &here, &mut expected);
+    Image::apply(&mirror.observation, &here, &mut expected);
     assert!(here[13] > 0.1, "yaw {}", here[13]);
     // Contacts are solved one after the other, and their order has no mirror image.
     assert_near(Task::Push, &there, &expected, 0.05);

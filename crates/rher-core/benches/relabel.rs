@@ -5,7 +5,7 @@ use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use rher_core::batch::Batch;
 use rher_core::config::Preset;
-use rher_core::env::{EnvSpec, Mirror, Reflection};
+use rher_core::env::{EnvSpec, Image, Mirror};
 use rher_core::episode::Episode;
 use rher_core::goal::{Achieved, Desired, Position, Scene, Stage, Tolerances};
 use rher_core::input::InputEncoder;
@@ -19,7 +19,7 @@ const EPISODES: usize = 20_000;
 const ROWS: usize = 256;
 
 fn spec() -> EnvSpec<1> {
-    let same = |from| Reflection { from, sign: 1.0, offset: 0.0 };
+    let same = |from| Image { from, sign: 1.0, offset: 0.0 };
     EnvSpec {
         name: "bench".to_owned(),
         variant: String::new(),
@@ -34,6 +34,7 @@ fn spec() -> EnvSpec<1> {
             observation: (0..OBSERVATION).map(same).collect(),
             action: (0..ACTION).map(same).collect(),
         }),
+        exchanges: Vec::new(),
     }
 }
 

@@ -22,10 +22,12 @@ pub struct EnvSpec<const N: usize> {
     pub tolerances: Tolerances<N>,
     /// The scene's plane of symmetry; `None` where it has none.
     pub mirror: Option<Mirror>,
+    /// Other orders of objects that are alike; empty where every object is of its own kind.
+    pub exchanges: Vec<Exchange<N>>,
 }
 
 impl<const N: usize> EnvSpec<N> {
-    /// Every one of the 2 N sub-tasks, tolerances of 5 cm, no plane of symmetry.
+    /// Every one of the 2 N sub-tasks, tolerances of 5 cm, no symmetry.
     pub fn new(name: &str, observation: usize, action: usize, episode_steps: usize) -> Self {
         Self {
             name: name.to_owned(),
@@ -36,6 +38,7 @@ impl<const N: usize> EnvSpec<N> {
             subtasks: 2 * N,
             tolerances: Tolerances::uniform(0.05),
             mirror: None,
+            exchanges: Vec::new(),
         }
     }
 }
@@ -49,19 +52,29 @@ pub struct Mirror {
     /// Where the plane crosses that axis, in metres.
     pub centre: f32,
     /// One entry for each number of an observation.
-    pub observation: Vec<Reflection>,
+    pub observation: Vec<Image>,
     /// One entry for each number of an action.
-    pub action: Vec<Reflection>,
+    pub action: Vec<Image>,
 }
 
-/// One number of a mirrored vector: `sign * original[from] + offset`.
+/// Objects that are alike in another order: every episode in which they change names obeys the
+/// same physics. Actions are as they were.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Exchange<const N: usize> {
+    /// For each place in the order, which object comes there.
+    pub objects: [usize; N],
+    /// One entry for each number of an observation.
+    pub observation: Vec<Image>,
+}
+
+/// One number of a vector's image under a symmetry: `sign * original[from] + offset`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reflection {
+pub struct Image {
     /// Index in the original vector.
     pub from: usize,
     /// 1 or −1.
     pub sign: f32,
-    /// Twice the plane's place for a coordinate along the flipped axis, 0 for all else.
+    /// Twice the mirror's place for a coordinate along the flipped axis, 0 for all else.
     pub offset: f32,
 }
 
@@ -75,11 +88,11 @@ impl Mirror {
     }
 }
 
-impl Reflection {
-    /// Writes the mirror image of `original` to `mirrored`; all three are equally long.
-    pub fn apply(reflections: &[Self], original: &[f32], mirrored: &mut [f32]) {
-        debug_assert!(reflections.len() == original.len() && original.len() == mirrored.len());
-        for (out, Self { from, sign, offset }) in mirrored.iter_mut().zip(reflections) {
+impl Image {
+    /// Writes the image of `original` to `image`; all three are equally long.
+    pub fn apply(images: &[Self], original: &[f32], image: &mut [f32]) {
+        debug_assert!(images.len() == original.len() && original.len() == image.len());
+        for (out, Self { from, sign, offset }) in image.iter_mut().zip(images) {
             *out = sign * original[*from] + offset;
         }
     }

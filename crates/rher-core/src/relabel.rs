@@ -2,12 +2,13 @@
 
 use crate::batch::Batch;
 use crate::config::RelayConfig;
-use crate::env::{EnvSpec, Mirror, Reflection};
+use crate::env::{EnvSpec, Exchange, Image, Mirror};
 use crate::episode::Episode;
 use crate::goal::{Achieved, Desired, EncodedGoal, LaterObjects, SUCCESS, Stage, Tolerances};
 use crate::input::InputEncoder;
-use crate::replay::{Replay, StepIndex};
+use crate::replay::Replay;
 use rand::{Rng, RngExt as _};
+use std::array;
 use std::ops::Range;
 
 /// Draws transitions, gives each the goal of a sub-task, and writes them as batch rows.
@@ -17,19 +18,49 @@ pub struct Relabeler<const N: usize> {
     hindsight: f32,
     later_objects: LaterObjects,
     mirror: Option<(Mirror, f32)>,
+    /// For each object, the orders in which an earlier one has its place.
+    exchanges: [Vec<Exchange<N>>; N],
+    exchange: f32,
+    exchanged: [Vec<f32>; 2],
     mirrored: [Vec<f32>; 2],
+}
+
+/// What was reached and asked for in an episode, its objects in a certain order.
+#[derive(Clone, Copy, Debug)]
+struct Played<'a, const N: usize> {
+    achieved: &'a [Achieved<N>],
+    desired: &'a Desired<N>,
+    order: [usize; N],
+}
+
+impl<const N: usize> Played<'_, N> {
+    fn achieved(&self, step: usize) -> Achieved<N> {
+        Achieved(self.achieved[step].0.reordered(&self.order))
+    }
+
+    fn desired(&self) -> Desired<N> {
+        self.desired.reordered(&self.order)
+    }
 }
 
 impl<const N: usize> Relabeler<N> {
     /// A relabeller with the shares of `config`, for environments like `spec`.
     pub fn new(config: &RelayConfig, spec: &EnvSpec<N>) -> Self {
         let mirror = spec.mirror.clone().filter(|_| config.mirror > 0.0);
+        let of_object = |object| {
+            let earlier = |exchange: &&Exchange<N>| exchange.objects[object] < object;
+            spec.exchanges.iter().filter(earlier).cloned().collect()
+        };
+        let scratch = || [vec![0.0; spec.observation], vec![0.0; spec.observation]];
         Self {
             tolerances: spec.tolerances,
             hindsight: config.hindsight,
             later_objects: config.later_objects,
             mirror: mirror.map(|mirror| (mirror, config.mirror)),
-            mirrored: [vec![0.0; spec.observation], vec![0.0; spec.observation]],
+            exchanges: array::from_fn(of_object),
+            exchange: config.exchange,
+            exchanged: scratch(),
+            mirrored: scratch(),
         }
     }
 
@@ -45,14 +76,25 @@ impl<const N: usize> Relabeler<N> {
         step: usize,
         rng: &mut impl Rng,
     ) -> EncodedGoal<N> {
-        let now = &achieved[step];
-        if rng.random::<f32>() < self.hindsight {
-            let later = rng.random_range(step + 1..achieved.len());
-            let desired = Desired::in_hindsight(achieved[later], self.later_objects);
-            EncodedGoal::new(stage, now, &desired)
+        let order = array::from_fn(|object| object);
+        self.goal_of(stage, &Played { achieved, desired, order }, step, rng)
+    }
+
+    fn goal_of(
+        &self,
+        stage: Stage<N>,
+        played: &Played<'_, N>,
+        step: usize,
+        rng: &mut impl Rng,
+    ) -> EncodedGoal<N> {
+        let now = played.achieved(step);
+        let desired = if rng.random::<f32>() < self.hindsight {
+            let later = rng.random_range(step + 1..played.achieved.len());
+            Desired::in_hindsight(played.achieved(later), self.later_objects)
         } else {
-            EncodedGoal::new(stage, now, desired)
-        }
+            played.desired()
+        };
+        EncodedGoal::new(stage, &now, &desired)
     }
 
     /// Fills `rows` of `batch` with transitions replayed for the sub-task of `stage`, and returns
@@ -68,54 +110,59 @@ impl<const N: usize> Relabeler<N> {
         rows: Range<usize>,
         rng: &mut impl Rng,
     ) -> usize {
-        let mut successes = 0;
-        for row in rows {
-            let index = replay.draw(rng);
-            let achieved = replay.achieved(index.slot);
-            let desired = replay.desired(index.slot);
-            let goal = self.goal(stage, achieved, desired, index.step, rng);
-            let reward = goal.reward(&achieved[index.step + 1], &self.tolerances);
-            successes += usize::from(reward >= SUCCESS);
-            batch.rewards[row] = reward;
-            self.write(replay, encoder, index, &goal, batch, row, rng);
-        }
-        successes
+        rows.filter(|&row| self.draw_row(replay, encoder, stage, batch, row, rng)).count()
     }
 
-    #[expect(clippy::too_many_arguments, reason = "the row, where it comes from, where it goes")]
-    fn write(
+    /// Fills one row, and returns whether it is rewarded.
+    fn draw_row(
         &mut self,
         replay: &Replay<N>,
         encoder: &InputEncoder,
-        index: StepIndex,
-        goal: &EncodedGoal<N>,
+        stage: Stage<N>,
         batch: &mut Batch,
         row: usize,
         rng: &mut impl Rng,
-    ) {
-        let (before, after) = replay.observations(index);
+    ) -> bool {
+        let index = replay.draw(rng);
+        let exchange = match self.exchanges[stage.object()].as_slice() {
+            [] => None,
+            _ if self.exchange == 0.0 => None,
+            // One draw for whether and which: past the last one there is none.
+            some => some.get((rng.random::<f32>() / self.exchange * some.len() as f32) as usize),
+        };
+        let order = exchange.map_or_else(|| array::from_fn(|object| object), |it| it.objects);
+        let (achieved, desired) = (replay.achieved(index.slot), replay.desired(index.slot));
+        let played = Played { achieved, desired, order };
+        let mut goal = self.goal_of(stage, &played, index.step, rng);
+        let (mut now, mut next) = (played.achieved(index.step), played.achieved(index.step + 1));
+        let reward = goal.reward(&next, &self.tolerances);
+        batch.rewards[row] = reward;
+
+        let (mut before, mut after) = replay.observations(index);
+        if let Some(exchange) = exchange {
+            let [exchanged_before, exchanged_after] = &mut self.exchanged;
+            Image::apply(&exchange.observation, before, exchanged_before);
+            Image::apply(&exchange.observation, after, exchanged_after);
+            (before, after) = (exchanged_before, exchanged_after);
+        }
         let action = replay.action(index);
-        let achieved = &replay.achieved(index.slot)[index.step..index.step + 2];
-        let input = row * batch.input..(row + 1) * batch.input;
         let action_out = &mut batch.actions[row * batch.action..(row + 1) * batch.action];
         match &self.mirror {
             Some((mirror, share)) if rng.random::<f32>() < *share => {
                 let [mirrored_before, mirrored_after] = &mut self.mirrored;
-                Reflection::apply(&mirror.observation, before, mirrored_before);
-                Reflection::apply(&mirror.observation, after, mirrored_after);
-                Reflection::apply(&mirror.action, action, action_out);
-                let goal = goal.map(|position| mirror.position(position));
-                let now = achieved[0].mirrored(mirror);
-                let next = achieved[1].mirrored(mirror);
-                encoder.write(mirrored_before, &now, &goal, &mut batch.inputs[input.clone()]);
-                encoder.write(mirrored_after, &next, &goal, &mut batch.next_inputs[input]);
+                Image::apply(&mirror.observation, before, mirrored_before);
+                Image::apply(&mirror.observation, after, mirrored_after);
+                (before, after) = (mirrored_before, mirrored_after);
+                Image::apply(&mirror.action, action, action_out);
+                goal = goal.map(|position| mirror.position(position));
+                (now, next) = (now.mirrored(mirror), next.mirrored(mirror));
             }
-            _ => {
-                action_out.copy_from_slice(action);
-                encoder.write(before, &achieved[0], goal, &mut batch.inputs[input.clone()]);
-                encoder.write(after, &achieved[1], goal, &mut batch.next_inputs[input]);
-            }
+            _ => action_out.copy_from_slice(action),
         }
+        let input = row * batch.input..(row + 1) * batch.input;
+        encoder.write(before, &now, &goal, &mut batch.inputs[input.clone()]);
+        encoder.write(after, &next, &goal, &mut batch.next_inputs[input]);
+        reward >= SUCCESS
     }
 
     /// Takes an episode into the statistics of `encoder`: every step once, with a goal for each of

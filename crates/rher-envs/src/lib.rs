@@ -29,7 +29,7 @@ mod task;
 pub mod tasks;
 pub mod thing;
 
-pub use observation::{Sink, gripper_and_object};
+pub use observation::{Sink, Subject, gripper_and_object};
 pub use options::{OptionError, OptionValue, Options, Randomize, TaskOption, TaskOptions};
 pub use pool::{AutoReset, Frames, Pool, PoolError};
 pub use sim::{

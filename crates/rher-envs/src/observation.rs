@@ -1,12 +1,30 @@
-//! The layout of observations, written once for their numbers, their width and their mirror image.
+//! The layout of observations, written once for their numbers, their width, their mirror image and
+//! what they are when objects trade places.
 
 use crate::sim::{Grip, Motion, STEP_SECONDS};
 use nalgebra::{RealField, UnitQuaternion, Vector3};
-use rher_core::env::Reflection;
+use rher_core::env::{Exchange, Image};
 use rher_core::goal::Position;
+use std::array;
+
+/// Which objects the next parts of an observation are about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Subject {
+    /// None, or all alike.
+    Gripper,
+    /// One, by its place in relay order.
+    Object(usize),
+    /// First − second of two of them.
+    Between(usize, usize),
+}
 
 /// Receives an observation, part by part, in the order of its numbers.
 pub trait Sink {
+    /// The parts that follow are about these objects; at the beginning they are about none.
+    ///
+    /// Only tasks with objects that are alike need say it.
+    fn about(&mut self, _: Subject) {}
+
     /// A point in the world frame, in metres.
     fn position(&mut self, position: Position);
 
@@ -41,11 +59,11 @@ pub fn gripper_and_object(grip: &Grip, object: &Motion, out: &mut impl Sink) {
 pub(crate) fn gripper_and_two_objects(grip: &Grip, objects: &[Motion; 2], out: &mut impl Sink) {
     out.position(grip.position);
     out.fingers(grip.opening);
-    for object in objects {
-        object_from_gripper(grip, object, out);
+    for (index, object) in objects.iter().enumerate() {
+        object_from_gripper(grip, index, object, out);
     }
     grip_velocity(grip, out);
-    out.vector(objects[0].position - objects[1].position);
+    difference(objects, 0, 1, out);
 }
 
 /// Writes the 43 numbers of the authors' `DrawerBox`.
@@ -71,15 +89,14 @@ pub(crate) fn gripper_handle_and_block(
 /// ([`object_from_gripper`]), the gripper's velocity (3), the fingers' (2), 15 for the third object,
 /// first − second, second − third, first − third object (9), and both velocities again (5).
 pub(crate) fn gripper_and_three_objects(grip: &Grip, objects: &[Motion; 3], out: &mut impl Sink) {
-    let [a, b, c] = objects;
     out.position(grip.position);
     out.fingers(grip.opening);
-    object_from_gripper(grip, a, out);
-    object_from_gripper(grip, b, out);
+    object_from_gripper(grip, 0, &objects[0], out);
+    object_from_gripper(grip, 1, &objects[1], out);
     grip_velocity(grip, out);
-    object_from_gripper(grip, c, out);
-    for (one, other) in [(a, b), (b, c), (a, c)] {
-        out.vector(one.position - other.position);
+    object_from_gripper(grip, 2, &objects[2], out);
+    for (one, other) in [(0, 1), (1, 2), (0, 2)] {
+        difference(objects, one, other, out);
     }
     grip_velocity(grip, out);
 }
@@ -90,13 +107,15 @@ pub(crate) fn gripper_and_three_objects(grip: &Grip, objects: &[Motion; 3], out:
 /// gripper's velocity (3), the fingers' (2), gripper (3), the objects (9).
 pub(crate) fn gripper_and_stack(grip: &Grip, objects: &[Motion; 3], out: &mut impl Sink) {
     out.fingers(grip.opening);
-    for object in objects {
+    for (index, object) in objects.iter().enumerate() {
+        out.about(Subject::Object(index));
         out.vector(object.position - grip.position);
         turn_and_velocity(grip, object, out);
     }
     grip_velocity(grip, out);
     out.position(grip.position);
-    for object in objects {
+    for (index, object) in objects.iter().enumerate() {
+        out.about(Subject::Object(index));
         out.position(object.position);
     }
 }
@@ -110,10 +129,17 @@ pub(crate) fn gripper_alone(grip: &Grip, out: &mut impl Sink) {
 }
 
 /// Writes 15 numbers: object (3), object − gripper (3), [`turn_and_velocity`] (9).
-fn object_from_gripper(grip: &Grip, object: &Motion, out: &mut impl Sink) {
+fn object_from_gripper(grip: &Grip, index: usize, object: &Motion, out: &mut impl Sink) {
+    out.about(Subject::Object(index));
     out.position(object.position);
     out.vector(object.position - grip.position);
     turn_and_velocity(grip, object, out);
+}
+
+/// Writes 3 numbers: one object − another.
+fn difference(objects: &[Motion], one: usize, other: usize, out: &mut impl Sink) {
+    out.about(Subject::Between(one, other));
+    out.vector(objects[one].position - objects[other].position);
 }
 
 /// Writes 9 numbers: the Euler angles of an object (3), its velocity relative to the gripper's (3),
@@ -126,6 +152,7 @@ fn turn_and_velocity(grip: &Grip, object: &Motion, out: &mut impl Sink) {
 
 /// Writes 5 numbers: the gripper's velocity (3), the fingers' (2).
 fn grip_velocity(grip: &Grip, out: &mut impl Sink) {
+    out.about(Subject::Gripper);
     out.vector(grip.velocity * STEP_SECONDS);
     out.fingers(grip.opening_velocity.map(|v| v * STEP_SECONDS));
 }
@@ -204,7 +231,7 @@ impl Sink for Numbers<'_> {
 
 /// A [`Sink`] that learns how each number is mirrored at a plane of constant y.
 pub(crate) struct Reflections {
-    reflections: Vec<Reflection>,
+    reflections: Vec<Image>,
     plane: f32,
 }
 
@@ -215,7 +242,7 @@ impl Reflections {
     }
 
     /// One entry for each number of the observation.
-    pub(crate) fn into_vec(self) -> Vec<Reflection> {
+    pub(crate) fn into_vec(self) -> Vec<Image> {
         self.reflections
     }
 
@@ -223,7 +250,7 @@ impl Reflections {
         let from = self.reflections.len();
         let offsets = [0.0, offset_y, 0.0];
         self.reflections.extend(
-            (from..).zip(signs.into_iter().zip(offsets)).map(|(from, (sign, offset))| Reflection {
+            (from..).zip(signs.into_iter().zip(offsets)).map(|(from, (sign, offset))| Image {
                 from,
                 sign,
                 offset,
@@ -248,6 +275,95 @@ impl Sink for Reflections {
     fn fingers(&mut self, _: [f32; 2]) {
         let first = self.reflections.len();
         let swapped = [first + 1, first];
-        self.reflections.extend(swapped.map(|from| Reflection { from, sign: 1.0, offset: 0.0 }));
+        self.reflections.extend(swapped.map(|from| Image { from, sign: 1.0, offset: 0.0 }));
+    }
+}
+
+/// A [`Sink`] that learns what the observation is about, number by number.
+pub(crate) struct Owners {
+    now: Subject,
+    owners: Vec<Subject>,
+}
+
+impl Owners {
+    pub(crate) fn new() -> Self {
+        Self { now: Subject::Gripper, owners: Vec::new() }
+    }
+
+    /// Every other order of `N` objects, and what the observation is in it.
+    ///
+    /// Each object has the same numbers in the same order, and so has each two of them.
+    pub(crate) fn exchanges<const N: usize>(&self) -> Vec<Exchange<N>> {
+        let orders = orders::<N>();
+        let image = |order: [usize; N]| Exchange {
+            objects: order,
+            observation: (0..self.owners.len()).map(|index| self.image(index, &order)).collect(),
+        };
+        orders.into_iter().skip(1).map(image).collect()
+    }
+
+    fn image<const N: usize>(&self, index: usize, order: &[usize; N]) -> Image {
+        let owner = self.owners[index];
+        let place = self.owners[..index].iter().filter(|other| **other == owner).count();
+        let number = |wanted: Subject| {
+            let mut numbers = (0..self.owners.len()).filter(|&i| self.owners[i] == wanted);
+            numbers.nth(place)
+        };
+        let (from, sign) = match owner {
+            Subject::Gripper => (Some(index), 1.0),
+            Subject::Object(object) => (number(Subject::Object(order[object])), 1.0),
+            Subject::Between(one, other) => {
+                let (one, other) = (order[one], order[other]);
+                match number(Subject::Between(one, other)) {
+                    Some(from) => (Some(from), 1.0),
+                    None => (number(Subject::Between(other, one)), -1.0),
+                }
+            }
+        };
+        Image { from: from.unwrap_or(index), sign, offset: 0.0 }
+    }
+
+    fn add(&mut self, numbers: usize) {
+        self.owners.resize(self.owners.len() + numbers, self.now);
+    }
+}
+
+/// Every order of `N` objects, the first being theirs.
+fn orders<const N: usize>() -> Vec<[usize; N]> {
+    let mut orders = vec![array::from_fn(|object| object)];
+    for place in 0..N {
+        orders = orders
+            .iter()
+            .flat_map(|order| {
+                (place..N).map(|other| {
+                    let mut order = *order;
+                    order.swap(place, other);
+                    order
+                })
+            })
+            .collect();
+    }
+    orders
+}
+
+impl Sink for Owners {
+    fn about(&mut self, about: Subject) {
+        self.now = about;
+    }
+
+    fn position(&mut self, _: Position) {
+        self.add(3);
+    }
+
+    fn vector(&mut self, _: Vector3<f32>) {
+        self.add(3);
+    }
+
+    fn turn(&mut self, _: Vector3<f32>) {
+        self.add(3);
+    }
+
+    fn fingers(&mut self, _: [f32; 2]) {
+        self.add(2);
     }
 }

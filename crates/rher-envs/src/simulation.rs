@@ -1,12 +1,12 @@
 //! From a [`Scenario`] to an environment.
 
-use crate::observation::{Numbers, Reflections, Sink};
+use crate::observation::{Numbers, Owners, Reflections, Sink};
 use crate::options::{OptionError, Options, Randomize, TaskOption, TaskOptions};
 use crate::sim::{self, World};
 use crate::thing::Thing;
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
-use rher_core::env::{Env, EnvError, EnvSpec, Mirror, Reflection, Start};
+use rher_core::env::{Env, EnvError, EnvSpec, Image, Mirror, Start};
 use rher_core::goal::{Achieved, Desired, Position, Scene, Tolerances};
 use std::marker::PhantomData;
 
@@ -36,6 +36,9 @@ pub trait Scenario<const N: usize>: Sized + Send + 'static {
 
     /// How near the gripper counts as at an object, in metres.
     const REACH_TOLERANCE: f32 = Self::TOLERANCE;
+
+    /// Whether nothing but their order tells the objects apart, so that a replay may exchange them.
+    const ALIKE: bool = false;
 
     /// What can be set about this task and no other.
     const OPTIONS: &'static [TaskOption] = &[];
@@ -169,6 +172,8 @@ impl<S: Scenario<N>, const N: usize> Simulation<S, N> {
         let mut reflections = Reflections::new(MIDDLE);
         scenario.observe(&layout, &world, &mut reflections);
         let observation = reflections.into_vec();
+        let mut owners = Owners::new();
+        scenario.observe(&layout, &world, &mut owners);
         let spec = EnvSpec {
             name: S::NAME.to_owned(),
             variant: options.to_string(),
@@ -183,6 +188,7 @@ impl<S: Scenario<N>, const N: usize> Simulation<S, N> {
                 observation,
                 action: mirrored_action(S::ACTION_WIDTH),
             }),
+            exchanges: if S::ALIKE { owners.exchanges() } else { Vec::new() },
         };
         Self { spec, options: options.clone(), scenario, world, layout }
     }
@@ -336,11 +342,11 @@ fn check_width(what: &'static str, expected: usize, got: usize) -> Result<(), En
     }
 }
 
-fn mirrored_action(width: usize) -> Vec<Reflection> {
+fn mirrored_action(width: usize) -> Vec<Image> {
     [1.0, -1.0, 1.0, 1.0]
         .into_iter()
         .take(width)
         .enumerate()
-        .map(|(from, sign)| Reflection { from, sign, offset: 0.0 })
+        .map(|(from, sign)| Image { from, sign, offset: 0.0 })
         .collect()
 }

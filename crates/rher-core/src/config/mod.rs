@@ -93,6 +93,10 @@ pub struct RelayConfig {
     pub goal_frame: GoalFrame,
     /// Share of transitions that are replayed as their mirror image, where the scene has one.
     pub mirror: f32,
+    /// Share of a later object's transitions that are replayed as if it were an earlier one that
+    /// is like it: what is learned of the first object is learned of all.
+    #[serde(default)]
+    pub exchange: f32,
 }
 
 /// Which policy acts before the object is reached: the cases of the paper's Table I.

@@ -67,6 +67,7 @@ fn paper(task: &str, objects: usize) -> TrainConfig {
             later_objects: LaterObjects::Now,
             goal_frame: GoalFrame::Absolute,
             mirror: 0.0,
+            exchange: 0.0,
         },
         exploration: ExplorationConfig {
             guide: 0.4,
@@ -120,6 +121,7 @@ fn fast(paper: TrainConfig) -> TrainConfig {
             reach_distance: 0.03,
             goal_frame: GoalFrame::Relative,
             mirror: 0.5,
+            exchange: 0.5,
             ..paper.relay
         },
         replay: ReplayConfig {

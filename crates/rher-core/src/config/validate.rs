@@ -33,6 +33,7 @@ impl TrainConfig {
         positive("relay.reach_distance", relay.reach_distance, true)?;
         share("relay.hindsight", relay.hindsight)?;
         share("relay.mirror", relay.mirror)?;
+        share("relay.exchange", relay.exchange)?;
 
         share("exploration.guide", exploration.guide)?;
         share("exploration.random", exploration.random)?;

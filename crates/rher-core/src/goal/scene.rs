@@ -16,6 +16,12 @@ pub struct Scene<const N: usize> {
 }
 
 impl<const N: usize> Scene<N> {
+    /// The same scene with its objects in another order; `order` says which object comes where.
+    #[must_use]
+    pub fn reordered(&self, order: &[usize; N]) -> Self {
+        Self { gripper: self.gripper, objects: order.map(|object| self.objects[object]) }
+    }
+
     /// Whether every coordinate is a finite number.
     pub fn is_finite(&self) -> bool {
         let finite = |p: &Position| p.coords.iter().all(|x| x.is_finite());
@@ -62,6 +68,17 @@ impl<const N: usize> Desired<N> {
             objects,
             gripper: Some(gripper),
             later_objects: (later_objects == LaterObjects::Later).then_some(objects),
+        }
+    }
+
+    /// The same wishes with the objects in another order; `order` says which object comes where.
+    #[must_use]
+    pub fn reordered(&self, order: &[usize; N]) -> Self {
+        let reorder = |places: [Position; N]| order.map(|object| places[object]);
+        Self {
+            objects: reorder(self.objects),
+            gripper: self.gripper,
+            later_objects: self.later_objects.map(reorder),
         }
     }
 

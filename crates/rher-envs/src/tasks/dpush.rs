@@ -25,6 +25,7 @@ pub struct DPush(Blocks<2>);
 impl Scenario<2> for DPush {
     const NAME: &'static str = "dpush";
     const EPISODE_STEPS: usize = 60;
+    const ALIKE: bool = true;
 
     fn build() -> (Self, World) {
         let (blocks, world) = Blocks::build(Fingers::Locked, ON_TABLE);

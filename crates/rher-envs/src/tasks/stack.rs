@@ -21,6 +21,7 @@ pub struct Stack(Blocks<2>);
 impl Scenario<2> for Stack {
     const NAME: &'static str = "stack";
     const EPISODE_STEPS: usize = 60;
+    const ALIKE: bool = true;
 
     fn build() -> (Self, World) {
         let (blocks, world) = Blocks::build(Fingers::Free, IN_THE_AIR);

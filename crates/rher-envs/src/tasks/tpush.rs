@@ -23,6 +23,7 @@ pub struct TPush(Blocks<3>);
 impl Scenario<3> for TPush {
     const NAME: &'static str = "tpush";
     const EPISODE_STEPS: usize = 70;
+    const ALIKE: bool = true;
 
     fn build() -> (Self, World) {
         let (blocks, world) = Blocks::build(Fingers::Locked, ON_TABLE);

@@ -21,6 +21,7 @@ pub struct TStack(Blocks<3>);
 impl Scenario<3> for TStack {
     const NAME: &'static str = "tstack";
     const EPISODE_STEPS: usize = 70;
+    const ALIKE: bool = true;
 
     fn build() -> (Self, World) {
         let (blocks, world) = Blocks::build(Fingers::Free, IN_THE_AIR);
