@@ -15,6 +15,7 @@ mod mirror;
 mod obstacle_push;
 mod options;
 mod physics;
+mod pictures;
 mod pool;
 mod scripted;
 mod slide;

@@ -23,6 +23,7 @@ struct AddingATask;
 mod observation;
 mod options;
 mod pool;
+pub mod render;
 mod sim;
 mod simulation;
 mod task;
