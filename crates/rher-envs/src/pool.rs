@@ -1,8 +1,9 @@
 //! Many environments of one task, stepped together.
 
+use crate::goals::{achieved_goal, last_stage};
 use rayon::prelude::*;
 use rher_core::env::{Env, EnvError, EnvSpec, Start};
-use rher_core::goal::{Achieved, Desired, EncodedGoal, Leg, Position, Stage};
+use rher_core::goal::{Desired, EncodedGoal, Position};
 use rher_core::seed::{Purpose, Seed};
 
 /// When an environment starts its next episode.
@@ -332,7 +333,7 @@ impl<E: Env<N>, const N: usize> Row<'_, E, N> {
         *episodes += 1;
         let Start { achieved, desired } = env.reset(seed, self.now.0)?;
         *running = Some(Running { desired, step: 0 });
-        write(&positions(self.spec, &achieved), self.now.1);
+        write(&achieved_goal(self.spec, &achieved), self.now.1);
         write(desired.objects(), self.now.2);
         Ok(())
     }
@@ -357,7 +358,7 @@ impl<E: Env<N>, const N: usize> Row<'_, E, N> {
         let goal = EncodedGoal::new(last_stage(self.spec), &achieved, desired);
         *self.reward = goal.reward(&achieved, &self.spec.tolerances);
         *self.success = goal.is_met(&achieved, &self.spec.tolerances);
-        write(&positions(self.spec, &achieved), self.now.1);
+        write(&achieved_goal(self.spec, &achieved), self.now.1);
         Ok(())
     }
 
@@ -366,19 +367,6 @@ impl<E: Env<N>, const N: usize> Row<'_, E, N> {
         self.last.0.copy_from_slice(self.now.0);
         self.last.1.copy_from_slice(self.now.1);
         self.last.2.copy_from_slice(self.now.2);
-    }
-}
-
-/// The stage at which the task ends.
-fn last_stage<const N: usize>(spec: &EnvSpec<N>) -> Stage<N> {
-    Stage::from_index(spec.subtasks - 1).unwrap_or(Stage::FIRST)
-}
-
-/// What is compared with the places where the objects should be.
-fn positions<const N: usize>(spec: &EnvSpec<N>, achieved: &Achieved<N>) -> [Position; N] {
-    match last_stage(spec).leg() {
-        Leg::Reach => [achieved.0.gripper; N],
-        Leg::Place => achieved.0.objects,
     }
 }
 
