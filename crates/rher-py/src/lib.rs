@@ -1,1 +1,27 @@
-//! Python bindings of `rher`: not written yet, see CHANGELOG.md for when they are.
+//! The half of the Python package `rher` that is written in Rust.
+//!
+//! Nothing here holds Python's lock while it simulates or learns, and every error is one of
+//! `rher.errors`.
+
+#![expect(clippy::needless_pass_by_value, reason = "Python hands arguments over by value")]
+
+mod any_env;
+mod arrays;
+mod env;
+mod error;
+mod places;
+mod policy;
+mod state;
+
+use pyo3::prelude::*;
+
+/// Compiled half of `rher`; use the package itself.
+#[pymodule]
+mod _rher {
+    #[pymodule_export]
+    use super::env::{Env, tasks};
+    #[pymodule_export]
+    use super::policy::Policy;
+    #[pymodule_export]
+    use super::state::State;
+}

@@ -1,0 +1,204 @@
+"""The tasks as Gymnasium environments."""
+
+import json
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium import spaces
+
+from rher import _rher
+from rher.errors import InputError
+
+__all__ = ["IDS", "TaskEnv"]
+
+#: Gymnasium's ids, and the tasks they stand for.
+IDS = {
+    "rher/Reach-v0": "reach",
+    "rher/Push-v0": "push",
+    "rher/PickAndPlace-v0": "pick",
+    "rher/Slide-v0": "slide",
+    "rher/Insert-v0": "insert",
+    "rher/ObstaclePush-v0": "obstacle-push",
+    "rher/Drawer-v0": "drawer",
+    "rher/CuePush-v0": "cue-push",
+    "rher/DPush-v0": "dpush",
+    "rher/Stack-v0": "stack",
+    "rher/DrawerBox-v0": "drawer-box",
+    "rher/TPush-v0": "tpush",
+    "rher/TStack-v0": "tstack",
+}
+
+#: Farther than anything gets, in metres: infinite spaces are warned of by Gymnasium's checker.
+FAR = 100.0
+
+
+def options_as_json(options: dict[str, Any] | None, randomize: dict[str, Any] | None) -> str:
+    """What is set about a task, in the words of the compiled half."""
+    try:
+        return json.dumps({"task": options or {}, "randomize": randomize or {}})
+    except TypeError as error:
+        raise InputError(f"options hold something that is not a number: {error}") from error
+
+
+def spaces_of(env: "_rher.Env") -> tuple[spaces.Dict, spaces.Box]:
+    """Spaces of observations and actions."""
+
+    def anywhere(width: int) -> spaces.Box:
+        return spaces.Box(-FAR, FAR, (width,), np.float64)
+
+    goal = 3 * env.objects
+    observation = spaces.Dict(
+        {
+            "observation": anywhere(env.observation_width),
+            "achieved_goal": anywhere(goal),
+            "desired_goal": anywhere(goal),
+        }
+    )
+    return observation, spaces.Box(-1.0, 1.0, (env.action_width,), np.float32)
+
+
+def as_seed(seed: int | None) -> int | None:
+    """``seed``, if it can be one."""
+    if seed is None:
+        return None
+    if isinstance(seed, (bool, np.bool_)) or not isinstance(seed, (int, np.integer)):
+        raise InputError(f"seed is {seed!r}, expected a whole number")
+    if not 0 <= seed < 2**64:
+        raise InputError(f"seed is {seed}, expected 0 to 2**64 - 1")
+    return int(seed)
+
+
+class TaskEnv(gymnasium.Env):
+    """One task, with the multi-goal interface of Gymnasium-Robotics.
+
+    Observations are dictionaries of 64-bit arrays: ``observation``; ``achieved_goal`` and
+    ``desired_goal``, each ``(3 * objects,)`` in metres, objects in the order in which they are to
+    be placed. Actions are 32-bit, ``(4,)`` (``(3,)`` for ``cue-push``), within -1 and 1: the
+    gripper's displacement along x, y, z (1 asks for 5 cm), then the opening of its fingers.
+    Rewards are 0 when every object is at its place and -1 otherwise. Episodes never end by
+    themselves; ``gymnasium.make`` ends them after ``episode_steps``.
+
+    :param task: name of the task, see :func:`rher.tasks`.
+    :param options: settings of this task and no other, such as ``{"noise": 0.0}`` for ``cue-push``.
+    :param randomize: what is drawn anew for every episode, as ``{"friction": (0.5, 1.5)}``:
+        ``friction``, ``mass``, ``size`` (factors), ``sensor_noise`` (metres) and ``action_delay``
+        (steps).
+    """
+
+    metadata = {"render_modes": []}
+
+    def __init__(
+        self,
+        task: str,
+        *,
+        options: dict[str, Any] | None = None,
+        randomize: dict[str, Any] | None = None,
+        render_mode: str | None = None,
+    ) -> None:
+        if render_mode is not None:
+            raise InputError(f"render_mode is {render_mode!r}, but there are none yet")
+        self.render_mode = render_mode
+        self._env = _rher.Env(task, options_as_json(options, randomize))
+        self.observation_space, self.action_space = spaces_of(self._env)
+
+    @property
+    def task(self) -> str:
+        """Name of the task."""
+        return self._env.task
+
+    @property
+    def episode_steps(self) -> int:
+        """Steps of an episode."""
+        return self._env.episode_steps
+
+    @property
+    def objects(self) -> int:
+        """How many objects there are."""
+        return self._env.objects
+
+    @property
+    def distance_threshold(self) -> float:
+        """How near an object counts as at its place, in metres."""
+        return self._env.tolerance
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
+        """Starts the next episode.
+
+        With a seed this is the first episode of that seed, and those that follow without one
+        follow from it: a run of episodes repeats bitwise, on every machine.
+        """
+        seed = as_seed(seed)
+        if options:
+            raise InputError(f"reset takes no options, got {options}")
+        super().reset(seed=seed)
+        if seed is None and not self._env.is_seeded:
+            seed = int(self.np_random.integers(2**63))
+        return self._env.reset(seed)
+
+    def step(
+        self, action: np.ndarray
+    ) -> tuple[dict[str, np.ndarray], float, bool, bool, dict[str, Any]]:
+        """Acts for one step of 40 ms.
+
+        Numbers outside of -1 and 1 are clipped.
+        """
+        return self._env.step(action)
+
+    def compute_reward(
+        self, achieved_goal: np.ndarray, desired_goal: np.ndarray, info: Any
+    ) -> np.ndarray:
+        """Rewards of goals ``(..., 3 * objects)``: ``(...)``, -1 or 0; ``info`` is not used."""
+        rewards = self._env.compute_reward(achieved_goal, desired_goal)
+        return rewards if rewards.ndim else rewards[()]
+
+    def compute_terminated(
+        self, achieved_goal: np.ndarray, desired_goal: np.ndarray, info: Any
+    ) -> bool:
+        """False: reaching the goal ends nothing."""
+        return False
+
+    def compute_truncated(
+        self, achieved_goal: np.ndarray, desired_goal: np.ndarray, info: Any
+    ) -> bool:
+        """False: what ends an episode is the wrapper that ``gymnasium.make`` puts around it."""
+        return False
+
+    def get_state(self) -> "_rher.State":
+        """This moment of the episode, to return to with :meth:`set_state`.
+
+        It can be pickled; unpickling plays the episode again.
+        """
+        return self._env.get_state()
+
+    def set_state(
+        self, state: "_rher.State"
+    ) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
+        """Returns to a moment that an environment like this one was at, and shows it.
+
+        What follows is bitwise what followed there.
+        """
+        return self._env.set_state(state)
+
+    def render(self) -> None:
+        """Nothing: there is no ``render_mode`` yet."""
+
+    def close(self) -> None:
+        """Frees the simulation."""
+        self._env.close()
+
+
+def register() -> None:
+    """Makes the ids known to Gymnasium."""
+    for name, task in IDS.items():
+        gymnasium.register(
+            id=name,
+            entry_point="rher.env:TaskEnv",
+            max_episode_steps=_rher.Env(task, "{}").episode_steps,
+            # Both are done by the environment itself, at a fraction of the cost.
+            order_enforce=False,
+            disable_env_checker=True,
+            kwargs={"task": task},
+        )

@@ -1,0 +1,175 @@
+//! An environment whose task is known at run time only.
+
+use nalgebra::Point3;
+use rher_core::env::{EnvError, EnvSpec, Start};
+use rher_core::goal::{Achieved, Desired, EncodedGoal, Position};
+use rher_envs::{
+    EnvVisitor, OptionError, Options, Simulated, Task, achieved_goal, last_stage, reward_of_goals,
+};
+use std::any::Any;
+
+/// What an environment shows, as Gymnasium has it.
+#[derive(Clone)]
+pub(crate) struct Frame {
+    /// As wide as the task's observation.
+    pub(crate) observation: Vec<f32>,
+    /// `[3 N]`, metres.
+    pub(crate) achieved: Vec<f32>,
+    /// `[3 N]`, metres.
+    pub(crate) desired: Vec<f32>,
+    /// −1 or 0, of the last step.
+    pub(crate) reward: f32,
+    /// Whether the task was solved after the last step.
+    pub(crate) success: bool,
+}
+
+/// Widths and limits of an environment.
+#[derive(Clone, Copy)]
+pub(crate) struct Widths {
+    pub(crate) observation: usize,
+    pub(crate) action: usize,
+    pub(crate) objects: usize,
+    pub(crate) episode_steps: usize,
+    /// How near counts as there, in metres.
+    pub(crate) tolerance: f32,
+}
+
+/// What an environment goes on from.
+pub(crate) type Snapshot = Box<dyn Any + Send>;
+
+/// An environment, whatever its task.
+pub(crate) trait AnyEnv: Send {
+    fn widths(&self) -> Widths;
+
+    /// Starts the episode of `seed`.
+    fn reset(&mut self, seed: u64) -> Result<(), EnvError>;
+
+    /// Acts for one step of an episode that was started.
+    fn step(&mut self, action: &[f32]) -> Result<(), EnvError>;
+
+    /// What it shows now.
+    fn frame(&self) -> &Frame;
+
+    fn snapshot(&self) -> Snapshot;
+
+    /// Goes on from a snapshot; false if it is of an environment of another kind.
+    fn restore(&mut self, snapshot: &Snapshot) -> bool;
+
+    /// Rewards for rows of achieved and desired goals.
+    fn rewards(&self, achieved: &[f32], desired: &[f32]) -> Vec<f32>;
+}
+
+/// Makes an environment of `task`.
+pub(crate) fn build(task: Task, options: &Options) -> Result<Box<dyn AnyEnv>, OptionError> {
+    struct Build;
+
+    impl EnvVisitor for Build {
+        type Output = Box<dyn AnyEnv>;
+
+        fn visit<const N: usize, E: Simulated<N>>(
+            self,
+            build: impl Fn() -> E + Sync,
+        ) -> Box<dyn AnyEnv> {
+            Box::new(Shown::new(build()))
+        }
+    }
+
+    task.visit_with(options, Build)
+}
+
+/// An environment and what it shows.
+struct Shown<E, const N: usize> {
+    env: E,
+    desired: Desired<N>,
+    frame: Frame,
+}
+
+impl<E: Simulated<N>, const N: usize> Shown<E, N> {
+    fn new(env: E) -> Self {
+        let zeros = |width: usize| vec![0.0; width];
+        let frame = Frame {
+            observation: zeros(env.spec().observation),
+            achieved: zeros(3 * N),
+            desired: zeros(3 * N),
+            reward: 0.0,
+            success: false,
+        };
+        Self { env, desired: Desired::of_task([Position::origin(); N]), frame }
+    }
+
+    fn show(&mut self, achieved: &Achieved<N>) {
+        let spec = self.env.spec();
+        write(&achieved_goal(spec, achieved), &mut self.frame.achieved);
+        let goal = EncodedGoal::new(last_stage(spec), achieved, &self.desired);
+        self.frame.reward = goal.reward(achieved, &spec.tolerances);
+        self.frame.success = goal.is_met(achieved, &spec.tolerances);
+    }
+}
+
+impl<E: Simulated<N>, const N: usize> AnyEnv for Shown<E, N> {
+    fn widths(&self) -> Widths {
+        let EnvSpec { observation, action, episode_steps, tolerances, .. } = self.env.spec();
+        let of_gripper = last_stage(self.env.spec()).index() == 0;
+        Widths {
+            observation: *observation,
+            action: *action,
+            objects: N,
+            episode_steps: *episode_steps,
+            tolerance: if of_gripper { tolerances.gripper } else { tolerances.objects[0] },
+        }
+    }
+
+    fn reset(&mut self, seed: u64) -> Result<(), EnvError> {
+        let Start { achieved, desired } = self.env.reset(seed, &mut self.frame.observation)?;
+        self.desired = desired;
+        write(desired.objects(), &mut self.frame.desired);
+        self.show(&achieved);
+        Ok(())
+    }
+
+    fn step(&mut self, action: &[f32]) -> Result<(), EnvError> {
+        let achieved = self.env.step(action, &mut self.frame.observation)?;
+        self.show(&achieved);
+        Ok(())
+    }
+
+    fn frame(&self) -> &Frame {
+        &self.frame
+    }
+
+    fn snapshot(&self) -> Snapshot {
+        Box::new((self.env.state(), self.desired, self.frame.clone()))
+    }
+
+    fn restore(&mut self, snapshot: &Snapshot) -> bool {
+        let Some((state, desired, frame)) =
+            snapshot.downcast_ref::<(E::State, Desired<N>, Frame)>()
+        else {
+            return false;
+        };
+        let restored = self.env.restore(state).is_ok();
+        if restored {
+            self.desired = *desired;
+            self.frame.clone_from(frame);
+        }
+        restored
+    }
+
+    fn rewards(&self, achieved: &[f32], desired: &[f32]) -> Vec<f32> {
+        let rows = achieved.chunks_exact(3 * N).zip(desired.chunks_exact(3 * N));
+        let spec = self.env.spec();
+        rows.map(|(achieved, desired)| reward_of_goals(spec, read(achieved), read(desired)))
+            .collect()
+    }
+}
+
+fn write<const N: usize>(positions: &[Position; N], row: &mut [f32]) {
+    for (position, out) in positions.iter().zip(row.chunks_exact_mut(3)) {
+        out.copy_from_slice(position.coords.as_slice());
+    }
+}
+
+/// The positions in a row of 3 N numbers.
+pub(crate) fn read<const N: usize>(row: &[f32]) -> [Position; N] {
+    std::array::from_fn(|i| Point3::from_slice(&row[3 * i..3 * i + 3]))
+}

@@ -1,0 +1,317 @@
+//! One environment, stepped from Python.
+
+use crate::any_env::{self, AnyEnv, Frame};
+use crate::arrays::{doubles, read};
+use crate::error::{InputError, StateError, told, unlocked};
+use crate::state::{Record, State};
+use numpy::{
+    AllowTypeChange, PyArray1, PyArrayDyn, PyArrayLikeDyn, PyArrayMethods as _,
+    PyUntypedArrayMethods as _,
+};
+use pyo3::intern;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple, PyType};
+use rher_core::seed::{Purpose, Seed};
+use rher_envs::{Options, Task};
+use std::sync::{Mutex, MutexGuard, TryLockError};
+
+/// Names of the tasks, the simplest first.
+#[pyfunction]
+pub(crate) fn tasks() -> Vec<&'static str> {
+    Task::ALL.iter().map(|task| task.name()).collect()
+}
+
+/// An environment of the task and options that Python names.
+pub(crate) fn made_of(task: &str, options: &str) -> PyResult<(Task, Options, Box<dyn AnyEnv>)> {
+    let (task, options) = parse(task, options)?;
+    let env = any_env::build(task, &options).map_err(|error| InputError::new_err(told(&error)))?;
+    Ok((task, options, env))
+}
+
+/// The task and its options that Python names; `options` are JSON, all of them optional.
+pub(crate) fn parse(task: &str, options: &str) -> PyResult<(Task, Options)> {
+    let task: Task = task.parse().map_err(|error| InputError::new_err(told(&error)))?;
+    let options: Options = options
+        .parse()
+        .map_err(|error| InputError::new_err(format!("options of `{task}`: {error}")))?;
+    let options =
+        options.check(task.options()).map_err(|error| InputError::new_err(told(&error)))?;
+    Ok((task, options))
+}
+
+/// An environment of one task.
+///
+/// All numbers go in and out as NumPy arrays; every array is a new one.
+#[pyclass(frozen, module = "rher._rher")]
+pub(crate) struct Env {
+    task: Task,
+    options: Options,
+    widths: any_env::Widths,
+    slot: Mutex<Slot>,
+}
+
+/// What changes in an environment.
+struct Slot {
+    /// None once it is closed.
+    env: Option<Box<dyn AnyEnv>>,
+    /// Seed of its first episode, from which those of the later ones follow; None before.
+    seed: Option<u64>,
+    /// Episodes started since.
+    episodes: u64,
+    /// The episode that is running.
+    record: Option<Record>,
+    /// The action, kept to save an allocation.
+    action: Vec<f32>,
+}
+
+impl Slot {
+    fn open(&mut self) -> PyResult<&mut Box<dyn AnyEnv>> {
+        self.env.as_mut().ok_or_else(|| StateError::new_err("the environment is closed"))
+    }
+}
+
+#[pymethods]
+impl Env {
+    /// An environment of `task`, with `options` as JSON.
+    #[new]
+    fn new(py: Python<'_>, task: &str, options: &str) -> PyResult<Self> {
+        let (task, options, env) = unlocked(py, || made_of(task, options))??;
+        let widths = env.widths();
+        let slot = Slot {
+            env: Some(env),
+            seed: None,
+            episodes: 0,
+            record: None,
+            action: Vec::with_capacity(widths.action),
+        };
+        Ok(Self { task, options, widths, slot: Mutex::new(slot) })
+    }
+
+    /// Name of the task.
+    #[getter]
+    fn task(&self) -> &'static str {
+        self.task.name()
+    }
+
+    /// The options, every one of them, as JSON.
+    #[getter]
+    fn options(&self) -> String {
+        self.options.to_string()
+    }
+
+    /// Numbers in an observation.
+    #[getter]
+    fn observation_width(&self) -> usize {
+        self.widths.observation
+    }
+
+    /// Numbers in an action.
+    #[getter]
+    fn action_width(&self) -> usize {
+        self.widths.action
+    }
+
+    /// How many objects there are.
+    #[getter]
+    fn objects(&self) -> usize {
+        self.widths.objects
+    }
+
+    /// Steps of an episode.
+    #[getter]
+    fn episode_steps(&self) -> usize {
+        self.widths.episode_steps
+    }
+
+    /// How near counts as there, in metres.
+    #[getter]
+    fn tolerance(&self) -> f32 {
+        self.widths.tolerance
+    }
+
+    /// Whether the environment has been seeded.
+    #[getter]
+    fn is_seeded(&self) -> PyResult<bool> {
+        Ok(self.lock()?.seed.is_some())
+    }
+
+    /// Starts the next episode; with a seed, the first one of that seed.
+    #[pyo3(signature = (seed=None))]
+    fn reset<'py>(&self, py: Python<'py>, seed: Option<u64>) -> PyResult<Bound<'py, PyTuple>> {
+        let mut guard = self.lock()?;
+        let slot = &mut *guard;
+        slot.open()?;
+        if let Some(seed) = seed {
+            (slot.seed, slot.episodes) = (Some(seed), 0);
+        }
+        let Some(first) = slot.seed else {
+            return Err(StateError::new_err("the first reset needs a seed"));
+        };
+        let seed = match slot.episodes {
+            0 => first,
+            count => Seed(first).episode(Purpose::Environment, count),
+        };
+        slot.record = None;
+        let env = slot.open()?;
+        unlocked(py, || env.reset(seed))?.map_err(|error| StateError::new_err(told(&error)))?;
+        slot.episodes += 1;
+        let record = Record { seed, actions: Vec::with_capacity(64 * self.widths.action) };
+        slot.record = Some(record);
+        let frame = slot.open()?.frame();
+        (observation(py, frame)?, info(py, frame)?).into_pyobject(py)
+    }
+
+    /// Acts for one step: observation, reward, terminated, truncated, info.
+    fn step<'py>(
+        &self,
+        py: Python<'py>,
+        action: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyTuple>> {
+        let mut guard = self.lock()?;
+        let Slot { env, record, action: numbers, .. } = &mut *guard;
+        let Some(env) = env else { return Err(StateError::new_err("the environment is closed")) };
+        let Some(Record { actions, .. }) = record else {
+            return Err(StateError::new_err("reset the environment before its first step"));
+        };
+        read("the action", action, &[self.widths.action], numbers)?;
+        unlocked(py, || env.step(numbers))?.map_err(|error| StateError::new_err(told(&error)))?;
+        actions.extend_from_slice(numbers);
+        let frame = env.frame();
+        (observation(py, frame)?, f64::from(frame.reward), false, false, info(py, frame)?)
+            .into_pyobject(py)
+    }
+
+    /// Rewards of goals, each `[..., 3 N]`: `[...]`, −1 or 0.
+    fn compute_reward<'py>(
+        &self,
+        achieved: &Bound<'py, PyAny>,
+        desired: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
+        let py = achieved.py();
+        let guard = self.lock()?;
+        let env = guard.env.as_ref();
+        let env = env.ok_or_else(|| StateError::new_err("the environment is closed"))?;
+        let width = 3 * self.widths.objects;
+        let array = |what, goals: &Bound<'py, PyAny>| {
+            let array = goals.extract::<PyArrayLikeDyn<'py, f32, AllowTypeChange>>().ok();
+            let fits = |array: &PyArrayLikeDyn<'py, f32, AllowTypeChange>| {
+                array.shape().last() == Some(&width)
+            };
+            let array = array.filter(fits);
+            array.ok_or_else(|| {
+                InputError::new_err(format!(
+                    "{what} goals: expected an array of numbers of shape (..., {width}), got {goals}"
+                ))
+            })
+        };
+        let (achieved, desired) = (array("achieved", achieved)?, array("desired", desired)?);
+        if achieved.shape() != desired.shape() {
+            let (a, d) = (achieved.shape(), desired.shape());
+            return Err(InputError::new_err(format!(
+                "achieved goals have shape {a:?}, desired ones {d:?}: expected the same"
+            )));
+        }
+        let numbers = |array: &PyArrayLikeDyn<'py, f32, AllowTypeChange>| match array.as_slice() {
+            Ok(slice) => slice.to_vec(),
+            Err(_) => array.as_array().iter().copied().collect(),
+        };
+        let shape = &achieved.shape()[..achieved.ndim() - 1];
+        let (achieved, desired) = (numbers(&achieved), numbers(&desired));
+        let env = env.as_ref();
+        let rewards = PyArray1::from_vec(py, env.rewards(&achieved, &desired));
+        rewards.reshape(shape.to_vec())
+    }
+
+    /// The moment of the episode that it is at.
+    fn get_state(&self) -> PyResult<State> {
+        let mut guard = self.lock()?;
+        guard.open()?;
+        let Slot { env: Some(env), record: Some(record), .. } = &*guard else {
+            return Err(StateError::new_err("there is no state before the first reset"));
+        };
+        let options = self.options.to_string();
+        Ok(State::new(self.task.name(), options, record.clone(), env.as_ref()))
+    }
+
+    /// Returns to a moment that `get_state` took, and shows it: observation and info.
+    fn set_state<'py>(&self, py: Python<'py>, state: &State) -> PyResult<Bound<'py, PyTuple>> {
+        let mut guard = self.lock()?;
+        let env = guard.open()?;
+        if state.task != self.task.name() || !state.restore(env.as_mut()) {
+            let (task, options) = (&state.task, &state.options);
+            return Err(InputError::new_err(format!(
+                "the state is of `{task}` with {options}, expected one of `{}` with {}",
+                self.task, self.options
+            )));
+        }
+        guard.record = Some(state.record.clone());
+        let frame = guard.open()?.frame();
+        (observation(py, frame)?, info(py, frame)?).into_pyobject(py)
+    }
+
+    /// Frees the environment; it cannot be used any more.
+    fn close(&self) -> PyResult<()> {
+        self.lock()?.env = None;
+        Ok(())
+    }
+
+    /// What unpickling and copying do.
+    #[classmethod]
+    fn _rebuilt(
+        cls: &Bound<'_, PyType>,
+        task: &str,
+        options: &str,
+        stream: (Option<u64>, u64),
+        closed: bool,
+        state: Option<&Bound<'_, State>>,
+    ) -> PyResult<Self> {
+        let py = cls.py();
+        let env = Self::new(py, task, options)?;
+        (env.lock()?.seed, env.lock()?.episodes) = stream;
+        if let Some(state) = state {
+            env.set_state(py, state.get())?;
+        }
+        if closed {
+            env.close()?;
+        }
+        Ok(env)
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
+        let env = slf.get();
+        let (stream, closed, running) = {
+            let slot = env.lock()?;
+            ((slot.seed, slot.episodes), slot.env.is_none(), slot.record.is_some())
+        };
+        let state = (running && !closed).then(|| env.get_state()).transpose()?;
+        let arguments = (env.task(), env.options(), stream, closed, state);
+        (slf.get_type().getattr("_rebuilt")?, arguments).into_pyobject(slf.py())
+    }
+}
+
+impl Env {
+    fn lock(&self) -> PyResult<MutexGuard<'_, Slot>> {
+        match self.slot.try_lock() {
+            Ok(slot) => Ok(slot),
+            Err(TryLockError::Poisoned(poisoned)) => Ok(poisoned.into_inner()),
+            Err(TryLockError::WouldBlock) => Err(StateError::new_err(
+                "the environment is in use by another thread; each thread needs one of its own",
+            )),
+        }
+    }
+}
+
+/// The dictionary that Gymnasium-Robotics' environments return.
+fn observation<'py>(py: Python<'py>, frame: &Frame) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    dict.set_item(intern!(py, "observation"), doubles(py, &frame.observation))?;
+    dict.set_item(intern!(py, "achieved_goal"), doubles(py, &frame.achieved))?;
+    dict.set_item(intern!(py, "desired_goal"), doubles(py, &frame.desired))?;
+    Ok(dict)
+}
+
+fn info<'py>(py: Python<'py>, frame: &Frame) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    dict.set_item(intern!(py, "is_success"), f64::from(u8::from(frame.success)))?;
+    Ok(dict)
+}

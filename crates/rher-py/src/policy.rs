@@ -1,0 +1,219 @@
+//! A trained policy, called from Python.
+
+use crate::any_env::read as positions;
+use crate::error::{FileError, InputError, PolicyError, told, unlocked};
+use crate::places::Places;
+use numpy::{
+    AllowTypeChange, PyArray1, PyArrayDyn, PyArrayLikeDyn, PyArrayMethods as _,
+    PyUntypedArrayMethods as _,
+};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyType};
+use rher_core::agent::policy::{About, Policy as CorePolicy, PolicyError as CorePolicyError};
+use rher_core::goal::{Achieved, Desired, Leg, Scene, Stage};
+use rher_envs::{Options, Task};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// A trained policy: `policy(observation, goal)` is an action.
+#[pyclass(frozen, module = "rher._rher")]
+pub(crate) struct Policy {
+    policy: Arc<CorePolicy>,
+    places: Places,
+}
+
+/// A policy file that cannot be used, on its way to Python.
+pub(crate) struct PolicyFailure(CorePolicyError);
+
+impl From<PolicyFailure> for PyErr {
+    fn from(PolicyFailure(error): PolicyFailure) -> Self {
+        match error {
+            CorePolicyError::Io { .. } => FileError::new_err(told(&error)),
+            CorePolicyError::Malformed { .. } => PolicyError::new_err(told(&error)),
+        }
+    }
+}
+
+impl Policy {
+    /// A policy and the layout of its observations, which it may remember itself.
+    pub(crate) fn new(policy: CorePolicy) -> PyResult<Self> {
+        let About { task, variant, objects, .. } = policy.about();
+        if !(1..=3).contains(objects) {
+            return Err(PolicyError::new_err(format!(
+                "the policy is for {objects} objects, expected 1 to 3"
+            )));
+        }
+        let of_task = || {
+            let task: Task = task.parse().ok()?;
+            let options = variant.parse().unwrap_or_else(|_| Options::of(task.options()));
+            Places::of_task(task, &options).ok()?
+        };
+        let of_variant = || serde_json::from_str(variant).ok();
+        let places = of_variant().or_else(of_task).ok_or_else(|| {
+            PolicyError::new_err(format!(
+                "the policy was trained for `{task}`, and does not say where in an observation \
+                 the gripper is"
+            ))
+        })?;
+        Ok(Self { policy: Arc::new(policy), places })
+    }
+}
+
+#[pymethods]
+impl Policy {
+    /// Reads a policy file.
+    #[classmethod]
+    fn load(cls: &Bound<'_, PyType>, path: PathBuf) -> PyResult<Self> {
+        let policy = unlocked(cls.py(), || CorePolicy::load(&path))?;
+        Self::new(policy.map_err(PolicyFailure)?)
+    }
+
+    /// Writes a policy file, whole or not at all.
+    fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        Ok(unlocked(py, || self.policy.save(&path))?.map_err(PolicyFailure)?)
+    }
+
+    /// Name of the environment that it was trained in.
+    #[getter]
+    fn task(&self) -> &str {
+        &self.policy.about().task
+    }
+
+    /// How many objects its goals have.
+    #[getter]
+    fn objects(&self) -> usize {
+        self.policy.about().objects
+    }
+
+    /// Numbers in an observation.
+    #[getter]
+    fn observation_width(&self) -> usize {
+        self.policy.about().observation
+    }
+
+    /// Numbers in an action.
+    #[getter]
+    fn action_width(&self) -> usize {
+        self.policy.about().action
+    }
+
+    /// The action for an observation and a goal, or the actions for a batch of them.
+    #[pyo3(signature = (observation, goal=None))]
+    fn __call__<'py>(
+        &self,
+        py: Python<'py>,
+        observation: &Bound<'py, PyAny>,
+        goal: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
+        let About { objects, observation: width, action, .. } = *self.policy.about();
+        let dict = observation.cast::<PyDict>().ok();
+        let item = |name| match &dict {
+            Some(dict) => dict.get_item(name),
+            None => Ok(None),
+        };
+        let (goal_of_dict, achieved) = (item("desired_goal")?, item("achieved_goal")?);
+        let numbers = item("observation")?;
+        let (shape, observations) =
+            rows("observation", numbers.as_ref().unwrap_or(observation), width)?;
+        let Some(goal) = goal.or(goal_of_dict.as_ref()) else {
+            return Err(InputError::new_err(
+                "a goal is missing: expected policy(observation, goal)",
+            ));
+        };
+        let (goal_shape, goals) = rows("goal", goal, 3 * objects)?;
+        let achieved =
+            achieved.map(|goal| rows("achieved_goal", &goal, 3 * objects)).transpose()?;
+        let shapes = [Some(&goal_shape), achieved.as_ref().map(|(shape, _)| shape)];
+        if shapes.into_iter().flatten().any(|other| *other != shape) {
+            return Err(InputError::new_err(format!(
+                "there are observations of batch shape {shape:?} and goals of {goal_shape:?}: \
+                 expected the same"
+            )));
+        }
+        let rows = Rows { observations, goals, achieved: achieved.map(|(_, numbers)| numbers) };
+        let actions = unlocked(py, || match objects {
+            1 => self.act::<1>(&rows),
+            2 => self.act::<2>(&rows),
+            _ => self.act::<3>(&rows),
+        })?;
+        let actions = actions.ok_or_else(|| {
+            InputError::new_err(
+                "where the objects are is not in the observation: expected the dictionary that \
+                 the environment returns",
+            )
+        })?;
+        let shape = [shape, vec![action]].concat();
+        PyArray1::from_vec(py, actions).reshape(shape)
+    }
+
+    fn __repr__(&self) -> String {
+        let About { task, objects, observation, action, .. } = self.policy.about();
+        format!(
+            "Policy(task='{task}', objects={objects}, observation={observation}, action={action})"
+        )
+    }
+}
+
+/// What a batch of actions is chosen by.
+struct Rows {
+    observations: Vec<f32>,
+    goals: Vec<f32>,
+    /// None to find it in the observations.
+    achieved: Option<Vec<f32>>,
+}
+
+impl Policy {
+    /// The actions of the last sub-task, or None if something is not in the observations.
+    fn act<const N: usize>(&self, rows: &Rows) -> Option<Vec<f32>> {
+        let About { subtasks, observation, action, .. } = *self.policy.about();
+        let stage = Stage::<N>::from_index(subtasks - 1)?;
+        let count = rows.observations.len() / observation;
+        let mut actions = vec![0.0; count * action];
+        let mut actor = self.policy.actor();
+        for (row, action) in actions.chunks_exact_mut(action).enumerate() {
+            let observation = &rows.observations[row * observation..(row + 1) * observation];
+            let goal = row * 3 * N..(row + 1) * 3 * N;
+            let desired = positions::<N>(&rows.goals[goal.clone()]);
+            let at = |place: usize| positions::<1>(&observation[place..place + 3])[0];
+            let objects = match (stage.leg(), &rows.achieved, &self.places.objects) {
+                // What is to be reached stays where it is.
+                (Leg::Reach, _, _) => desired,
+                (Leg::Place, Some(achieved), _) => positions::<N>(&achieved[goal]),
+                (Leg::Place, None, Some(places)) => std::array::from_fn(|i| at(places[i])),
+                (Leg::Place, None, None) => return None,
+            };
+            let scene = Achieved(Scene { gripper: at(self.places.gripper), objects });
+            actor.act(stage, observation, &scene, &Desired::of_task(desired), action);
+        }
+        Some(actions)
+    }
+}
+
+/// The numbers of one row or of a batch, and the shape of the batch.
+fn rows(what: &str, array: &Bound<'_, PyAny>, width: usize) -> PyResult<(Vec<usize>, Vec<f32>)> {
+    let found: Option<PyArrayLikeDyn<'_, f32, AllowTypeChange>> = array.extract().ok();
+    let Some(found) = found else {
+        let found = array.get_type();
+        return Err(InputError::new_err(format!(
+            "{what}: expected an array of numbers, got {found}"
+        )));
+    };
+    let shape = found.shape();
+    let batch = match shape {
+        [batch @ .., last] if *last == width => batch.to_vec(),
+        _ => {
+            return Err(InputError::new_err(format!(
+                "{what} has shape {shape:?}, expected ({width},) or (batch, {width}): is the \
+                 policy for another task?"
+            )));
+        }
+    };
+    let numbers: Vec<f32> = found.as_array().iter().copied().collect();
+    match numbers.iter().position(|x| !x.is_finite()) {
+        Some(index) => {
+            let number = numbers[index];
+            Err(InputError::new_err(format!("number {index} of {what} is {number}")))
+        }
+        None => Ok((batch, numbers)),
+    }
+}
