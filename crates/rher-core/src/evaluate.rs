@@ -4,7 +4,7 @@ use crate::agent::policy::{Mismatch, Policy};
 use crate::config::{EvaluationConfig, TestPolicy};
 use crate::env::Env;
 use crate::episode::{Episode, RolloutError, rollout};
-use crate::goal::{Achieved, Desired, EncodedGoal, Stage};
+use crate::goal::{Achieved, Desired, EncodedGoal, Leg, Stage, Tolerances};
 use crate::seed::{Purpose, Seed};
 use rand::RngExt as _;
 use rayon::prelude::*;
@@ -34,8 +34,16 @@ pub enum EvaluateError {
     Rollout(#[from] RolloutError),
 }
 
+/// How far an object must have moved from where it started to have been reached on the way, in
+/// metres: the authors' test of their reach sub-tasks.
+const TOUCHED: f32 = 0.01;
+
 /// Plays `config.episodes` episodes for the last sub-task of `policy`, and
 /// `config.subtask_episodes` for each sub-task before it that it was trained for.
+///
+/// A sub-task has succeeded if its goal is met at the last step. One that reaches an object on the
+/// way to a later sub-task also has if the object was moved, for it is there to be moved, and all
+/// before it are in their places.
 ///
 /// Episodes are shared out among `envs`, in parallel on the current thread pool; the result does
 /// not depend on how.
@@ -77,10 +85,12 @@ pub fn evaluate<const N: usize, E: Env<N>>(
                     let played =
                         play(env, policy, stage, test_policy, Seed(config.env_seed), episode)?;
                     let end = played.achieved[played.achieved.len() - 1];
-                    let goal = EncodedGoal::new(stage, &end, &played.desired);
+                    let met = EncodedGoal::new(stage, &end, &played.desired)
+                        .is_met(&end, &tolerances)
+                        || stage.index() < last && was_touched(stage, &played, &tolerances);
                     let distance = |end: &Achieved<N>| final_distance(stage, end, &played.desired);
                     let truly = env.truth().map(|end| distance(&end));
-                    Ok((stage.index(), goal.is_met(&end, &tolerances), distance(&end), truly))
+                    Ok((stage.index(), met, distance(&end), truly))
                 })
                 .collect::<Result<Vec<_>, RolloutError>>()
         })
@@ -144,14 +154,32 @@ fn play<const N: usize>(
     })
 }
 
+/// Whether the object that `stage` reaches has moved, and all before it end in their places.
+fn was_touched<const N: usize>(
+    stage: Stage<N>,
+    played: &Episode<N>,
+    tolerances: &Tolerances<N>,
+) -> bool {
+    let (Achieved(start), Achieved(end)) =
+        (&played.achieved[0], &played.achieved[played.achieved.len() - 1]);
+    let object = stage.object();
+    let is_placed = |earlier: usize| {
+        nalgebra::distance(&end.objects[earlier], &played.desired.objects()[earlier])
+            <= tolerances.objects[earlier]
+    };
+    stage.leg() == Leg::Reach
+        && nalgebra::distance(&start.objects[object], &end.objects[object]) > TOUCHED
+        && (0..object).all(is_placed)
+}
+
 fn final_distance<const N: usize>(
     stage: Stage<N>,
     Achieved(end): &Achieved<N>,
     desired: &Desired<N>,
 ) -> f32 {
     match stage.leg() {
-        crate::goal::Leg::Reach => nalgebra::distance(&end.gripper, &end.objects[stage.object()]),
-        crate::goal::Leg::Place => {
+        Leg::Reach => nalgebra::distance(&end.gripper, &end.objects[stage.object()]),
+        Leg::Place => {
             let pairs = end.objects.iter().zip(desired.objects());
             pairs.map(|(object, target)| nalgebra::distance(object, target)).sum::<f32>() / N as f32
         }
