@@ -34,14 +34,15 @@ fn help_names_the_verbs_and_every_exit_status() {
     Usage: rher <COMMAND>
 
     Commands:
-      tasks   List the tasks: objects, sub-tasks, widths, episode length, tolerances
-      train   Train a policy, from the beginning or on from a checkpoint
-      sweep   Train with every combination of settings and seeds, a few runs at a time
-      eval    Measure how often a policy succeeds, with a 95 % confidence interval
-      stats   Compare runs: how soon they succeed, how often in the end, and how sure that is
-      config  Print every setting of a run as TOML, for `rher train --config`
-      bench   Measure the speed of this machine
-      help    Print this message or the help of the given subcommand(s)
+      tasks      List the tasks: objects, sub-tasks, widths, episode length, tolerances
+      train      Train a policy, from the beginning or on from a checkpoint
+      sweep      Train with every combination of settings and seeds, a few runs at a time
+      reproduce  Repeat an experiment of the paper
+      eval       Measure how often a policy succeeds, with a 95 % confidence interval
+      stats      Compare runs: how soon they succeed, how often in the end, and how sure that is
+      config     Print every setting of a run as TOML, for `rher train --config`
+      bench      Measure the speed of this machine
+      help       Print this message or the help of the given subcommand(s)
 
     Options:
       -h, --help

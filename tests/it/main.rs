@@ -6,6 +6,7 @@ mod cli;
 mod determinism;
 mod learning;
 mod options;
+mod reproduce;
 mod resume;
 mod stats;
 mod support;

@@ -45,6 +45,8 @@ pub(crate) enum Command {
     Train(TrainArgs),
     /// Train with every combination of settings and seeds, a few runs at a time
     Sweep(SweepArgs),
+    /// Repeat an experiment of the paper
+    Reproduce(ReproduceArgs),
     /// Measure how often a policy succeeds, with a 95 % confidence interval
     Eval(EvalArgs),
     /// Compare runs: how soon they succeed, how often in the end, and how sure that is
@@ -163,8 +165,47 @@ pub(crate) struct SweepArgs {
     pub(crate) json: bool,
 }
 
-/// Where settings come from.
 #[derive(Debug, Args)]
+#[command(after_long_help = "\
+Examples:
+  rher reproduce policies                  Table I, seeds 1 to 3, the published settings
+  rher reproduce guide-rate --seeds 1 --preset fast
+
+Every run has a folder of its own, as `rher train` makes it, and one thread. The same command again
+goes on with runs that were interrupted, and leaves finished ones alone. What the paper says of the
+experiment is told first.")]
+pub(crate) struct ReproduceArgs {
+    /// Which experiment
+    #[arg(value_enum, value_name = "NAME")]
+    pub(crate) experiment: ExperimentName,
+
+    /// Seeds of every case, as in `1-5` or `1,2,7`
+    #[arg(long, value_name = "SEEDS", default_value = "1-3")]
+    pub(crate) seeds: Seeds,
+
+    /// Settings to start from [default: paper]
+    #[arg(long, value_enum, value_name = "PRESET")]
+    pub(crate) preset: Option<PresetName>,
+
+    /// End every run after this many environment steps, instead of the experiment's own number
+    #[arg(long, value_name = "N", value_parser = toml_integer(1))]
+    pub(crate) env_steps: Option<u64>,
+
+    /// Runs at a time [default: one for each core]
+    #[arg(long, value_name = "N")]
+    pub(crate) jobs: Option<NonZeroUsize>,
+
+    /// Folder of the runs' folders; by default `runs/reproduce-<NAME>`
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+
+    /// Print JSON: an array with one object for each case
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// Where settings come from.
+#[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Settings, each winning over those before it")]
 pub(crate) struct SettingsArgs {
     /// Settings to start from; `fast` also takes the recipe of the task [default: fast]
@@ -340,6 +381,39 @@ impl From<PresetName> for Preset {
             PresetName::Fast => Self::Fast,
             PresetName::SampleEfficient => Self::SampleEfficient,
             PresetName::Paper => Self::Paper,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum ExperimentName {
+    /// Table I: which policy acts before the object is reached, in training and in evaluation
+    Policies,
+    /// How near counts as reached: d of 0 to 12 cm
+    ReachDistance,
+    /// How often the guide acts: α of 0 to 0.8
+    GuideRate,
+    /// One environment against 19 side by side
+    Envs,
+    /// Plain hindsight, with as many updates as the relay makes, and with half
+    Her,
+    /// Whether reaching is lost while pushing is learned
+    Forgetting,
+    /// Table II: steps to 95 % on push and pick
+    Table2,
+}
+
+impl ExperimentName {
+    /// As on the command line.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Policies => "policies",
+            Self::ReachDistance => "reach-distance",
+            Self::GuideRate => "guide-rate",
+            Self::Envs => "envs",
+            Self::Her => "her",
+            Self::Forgetting => "forgetting",
+            Self::Table2 => "table2",
         }
     }
 }

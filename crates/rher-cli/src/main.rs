@@ -4,6 +4,7 @@ mod cli;
 mod commands;
 mod error;
 mod exit_code;
+mod jobs;
 mod observe;
 mod printer;
 mod run_dir;

@@ -3,6 +3,7 @@
 mod bench;
 mod config;
 mod eval;
+mod reproduce;
 mod stats;
 mod sweep;
 mod tasks;
@@ -23,6 +24,7 @@ pub(crate) fn run(command: Command, printer: Printer) -> anyhow::Result<Status> 
         Command::Tasks(args) => tasks::tasks(&args, printer)?,
         Command::Train(args) => return train::train(&args, printer),
         Command::Sweep(args) => return sweep::sweep(&args, printer),
+        Command::Reproduce(args) => return reproduce::reproduce(&args, printer),
         Command::Eval(args) => eval::eval(&args, printer)?,
         Command::Stats(args) => stats::stats(&args, printer)?,
         Command::Config(args) => config::config(&args, printer)?,
@@ -47,13 +49,13 @@ fn threads(asked: Option<NonZeroUsize>) -> usize {
 }
 
 /// An empty table without lines, as `awk` likes it.
-fn table() -> Table {
+pub(crate) fn table() -> Table {
     let mut table = Table::new();
     table.load_style(NOTHING);
     table
 }
 
 /// A table as text, without blanks around its lines.
-fn text(table: &Table) -> String {
+pub(crate) fn text(table: &Table) -> String {
     table.lines().map(|line| line.trim().to_owned() + "\n").collect()
 }
