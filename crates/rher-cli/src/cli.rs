@@ -9,6 +9,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use rher_core::agent::config::EngineKind;
 use rher_core::config::{Method, Preset};
 use rher_envs::Task;
+use rher_runs::Asked;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -465,6 +466,25 @@ impl From<EngineName> for EngineKind {
         match name {
             EngineName::Burn => Self::Burn,
             EngineName::Fused => Self::Fused,
+        }
+    }
+}
+
+impl From<&SettingsArgs> for Asked {
+    fn from(args: &SettingsArgs) -> Self {
+        let SettingsArgs { preset, config, set, method, seed, env_steps, until, engine, envs } =
+            args;
+        let set = set.iter().map(|Assignment { key, value }| (key.clone(), value.clone()));
+        Self {
+            preset: preset.map(Into::into),
+            config: config.clone(),
+            set: set.collect(),
+            method: method.map(Into::into),
+            seed: *seed,
+            env_steps: *env_steps,
+            until: *until,
+            engine: engine.map(Into::into),
+            envs: *envs,
         }
     }
 }

@@ -1,17 +1,16 @@
 //! What went wrong, told once: with an exit status, and with a way out where there is one.
 
 use crate::exit_code::Status;
-use crate::observe::MetricsError;
 use crate::printer::StdoutError;
-use crate::run_dir::{RunDirError, WriteError};
 use crate::runs::RunError;
-use crate::settings::{Origin, SettingsError, Source};
 use rher_core::agent::policy::PolicyError;
 use rher_core::checkpoint::CheckpointError;
 use rher_core::episode::RolloutError;
 use rher_core::evaluate::EvaluateError;
 use rher_core::event::ObserverError;
 use rher_core::train::TrainError;
+use rher_runs::settings::{Origin, SettingsError, Source};
+use rher_runs::{MetricsError, RunDirError, WriteError};
 use std::error::Error;
 use std::io;
 
@@ -117,6 +116,7 @@ impl Report {
             ),
             RunDirError::NoRun { .. } => "`rher train <TASK> --out DIR` starts one".to_owned(),
             RunDirError::Write(error) => return Self::of_write(&error.source),
+            RunDirError::Settings(error) => return Self::of_settings(error),
         };
         Self::new(Status::RunFolder, hint)
     }

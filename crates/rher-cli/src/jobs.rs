@@ -5,11 +5,10 @@ use crate::commands::{table, text};
 use crate::exit_code::Status;
 use crate::observe::{percent, thousands};
 use crate::printer::Printer;
-use crate::run_dir::{self, RunDir, WriteError};
-use crate::settings;
 use anyhow::Context as _;
 use rher_core::event::Metrics;
 use rher_envs::Task;
+use rher_runs::{RunDir, WriteError, read_config, read_metrics, settings};
 use serde::Serialize;
 use std::ffi::OsString;
 use std::fmt;
@@ -86,7 +85,7 @@ pub(crate) fn run(
     printer: Printer,
 ) -> anyhow::Result<Status> {
     for Job { task, settings, .. } in jobs {
-        settings::resolve(*task, settings)?;
+        settings::resolve(*task, &settings.into())?;
     }
     std::fs::create_dir_all(out).map_err(|source| WriteError { path: out.to_owned(), source })?;
     let at_a_time = at_a_time.min(jobs.len());
@@ -145,8 +144,8 @@ struct Found {
 
 impl Found {
     fn read(folder: &Path) -> Self {
-        let until = run_dir::read_config(folder).map_or(0.0, |run| run.config.until);
-        let mut metrics = run_dir::read_metrics(folder);
+        let until = read_config(folder).map_or(0.0, |run| run.config.until);
+        let mut metrics = read_metrics(folder);
         Self { until, last: metrics.pop(), before: metrics.pop() }
     }
 

@@ -7,9 +7,7 @@ mod exit_code;
 mod jobs;
 mod observe;
 mod printer;
-mod run_dir;
 mod runs;
-mod settings;
 mod statistics;
 
 use clap::Parser as _;

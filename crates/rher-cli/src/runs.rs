@@ -1,6 +1,6 @@
 //! Runs as they are compared: what each reached and when, in groups that differ by the seed alone.
 
-use crate::run_dir::{CONFIG_FILE, METRICS_FILE};
+use rher_runs::{CONFIG_FILE, METRICS_FILE};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::io;

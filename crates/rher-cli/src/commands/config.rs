@@ -2,10 +2,10 @@
 
 use crate::cli::ConfigArgs;
 use crate::printer::Printer;
-use crate::settings;
+use rher_runs::settings;
 
 pub(crate) fn config(args: &ConfigArgs, printer: Printer) -> anyhow::Result<()> {
-    let settings = settings::resolve(args.task, &args.settings)?;
+    let settings = settings::resolve(args.task, &(&args.settings).into())?;
     printer.data(&settings::to_toml(&settings)?)?;
     Ok(())
 }

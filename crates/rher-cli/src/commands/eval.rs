@@ -5,7 +5,6 @@ use crate::cli::EvalArgs;
 use crate::error::ForeignTask;
 use crate::observe::percent;
 use crate::printer::Printer;
-use crate::run_dir;
 use rher_core::agent::policy::Policy;
 use rher_core::checkpoint::POLICY_FILE;
 use rher_core::config::{EvaluationConfig, TestPolicy};
@@ -33,7 +32,7 @@ struct EvalReport {
 pub(crate) fn eval(args: &EvalArgs, printer: Printer) -> anyhow::Result<()> {
     let EvalArgs { path, episodes, seed, workers, json } = args;
     let (policy, run) = if path.is_dir() {
-        (Policy::load(&path.join(POLICY_FILE))?, run_dir::read_config(path))
+        (Policy::load(&path.join(POLICY_FILE))?, rher_runs::read_config(path))
     } else {
         (Policy::load(path)?, None)
     };

@@ -4,16 +4,15 @@ use super::{made_with, threads};
 use crate::cli::{EngineName, SettingsArgs, TrainArgs};
 use crate::error::ForeignTask;
 use crate::exit_code::Status;
-use crate::observe::{MetricsFile, ProgressView, Watch, duration, percent, thousands};
+use crate::observe::{ProgressView, Watch, duration, percent, thousands};
 use crate::printer::Printer;
-use crate::run_dir::RunDir;
-use crate::settings::{self, Settings};
 use anyhow::Context as _;
 use rher_core::checkpoint;
 use rher_core::config::TrainConfig;
 use rher_core::event::{Metrics, Progress, Seconds};
 use rher_core::train::{Finish, Trainer};
 use rher_envs::{EnvVisitor, Simulated, Task};
+use rher_runs::{MetricsFile, RunDir, Settings, settings};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -24,7 +23,7 @@ pub(crate) fn train(args: &TrainArgs, printer: Printer) -> anyhow::Result<Status
     match (resume, task) {
         (Some(path), _) => go_on(path, settings, workers, printer),
         (None, Some(task)) => {
-            let settings = settings::resolve(*task, settings)?;
+            let settings = settings::resolve(*task, &settings.into())?;
             let path = out.clone().unwrap_or_else(|| RunDir::default_path(&settings.config));
             begin(*task, settings, &path, workers, printer)
         }

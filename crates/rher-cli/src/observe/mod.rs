@@ -1,12 +1,11 @@
 //! Those who watch a run.
 
-mod jsonl;
 mod progress;
 
-pub(crate) use jsonl::{MetricsError, MetricsFile};
 pub(crate) use progress::{ProgressView, duration, percent, thousands};
 
 use rher_core::event::{Event, Metrics, Observer, ObserverError};
+use rher_runs::MetricsFile;
 
 /// Writes metrics down and shows progress.
 pub(crate) struct Watch {

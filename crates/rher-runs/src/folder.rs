@@ -1,6 +1,6 @@
 //! A run's folder: where it is, who may write in it, and what lies where.
 
-use crate::settings::{self, Settings};
+use crate::settings::{self, Settings, SettingsError};
 use rher_core::checkpoint::{self, CheckpointError, POLICY_FILE};
 use rher_core::config::TrainConfig;
 use rher_core::event::Metrics;
@@ -9,16 +9,16 @@ use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
 /// The settings of a run.
-pub(crate) const CONFIG_FILE: &str = "config.toml";
+pub const CONFIG_FILE: &str = "config.toml";
 /// One line for each evaluation.
-pub(crate) const METRICS_FILE: &str = "metrics.jsonl";
+pub const METRICS_FILE: &str = "metrics.jsonl";
 const LOCK_FILE: &str = ".lock";
 
 /// The folder of a run, locked for as long as this value lives.
 ///
 /// The lock is the operating system's, so it dies with the process.
 #[derive(Debug)]
-pub(crate) struct RunDir {
+pub struct RunDir {
     path: PathBuf,
     _lock: File,
 }
@@ -26,14 +26,14 @@ pub(crate) struct RunDir {
 impl RunDir {
     /// `runs/<task>-<method>-<preset>-<seed>`: runs that differ in nothing else share a name, and
     /// the second one is refused rather than written over the first.
-    pub(crate) fn default_path(config: &TrainConfig) -> PathBuf {
+    pub fn default_path(config: &TrainConfig) -> PathBuf {
         let TrainConfig { task, relay, preset, seed, .. } = config;
         let (method, preset) = (relay.method.name(), preset.name());
         Path::new("runs").join(format!("{task}-{method}-{preset}-{seed}"))
     }
 
     /// Makes the folder of a new run.
-    pub(crate) fn create(path: &Path) -> Result<Self, RunDirError> {
+    pub fn create(path: &Path) -> Result<Self, RunDirError> {
         std::fs::create_dir_all(path).map_err(unwritable(path))?;
         let folder = Self::lock(path)?;
         // Someone may have deleted the checkpoint and kept the policy.
@@ -44,7 +44,7 @@ impl RunDir {
     }
 
     /// Opens the folder of a run that was made before.
-    pub(crate) fn open(path: &Path) -> Result<Self, RunDirError> {
+    pub fn open(path: &Path) -> Result<Self, RunDirError> {
         if holds_checkpoint(path) {
             Self::lock(path)
         } else {
@@ -62,22 +62,23 @@ impl RunDir {
         }
     }
 
-    pub(crate) fn path(&self) -> &Path {
+    /// Where it is.
+    pub fn path(&self) -> &Path {
         &self.path
     }
 
     /// One line for each evaluation.
-    pub(crate) fn metrics(&self) -> PathBuf {
+    pub fn metrics(&self) -> PathBuf {
         self.path.join(METRICS_FILE)
     }
 
     /// The policy alone.
-    pub(crate) fn policy(&self) -> PathBuf {
+    pub fn policy(&self) -> PathBuf {
         self.path.join(POLICY_FILE)
     }
 
     /// Writes the settings; the file is complete or not there.
-    pub(crate) fn write_config(&self, settings: &Settings) -> anyhow::Result<()> {
+    pub fn write_config(&self, settings: &Settings) -> Result<(), RunDirError> {
         let path = self.path.join(CONFIG_FILE);
         let new = path.with_extension("toml.new");
         let text = settings::to_toml(settings)?;
@@ -90,12 +91,12 @@ impl RunDir {
 }
 
 /// The settings that were kept with a run, if they can be read.
-pub(crate) fn read_config(folder: &Path) -> Option<Settings> {
+pub fn read_config(folder: &Path) -> Option<Settings> {
     settings::from_toml(&std::fs::read_to_string(folder.join(CONFIG_FILE)).ok()?)
 }
 
 /// The metrics of a run, as far as they can be read.
-pub(crate) fn read_metrics(folder: &Path) -> Vec<Metrics> {
+pub fn read_metrics(folder: &Path) -> Vec<Metrics> {
     let text = std::fs::read_to_string(folder.join(METRICS_FILE)).unwrap_or_default();
     text.lines().map_while(|line| serde_json::from_str(line).ok()).collect()
 }
@@ -107,23 +108,41 @@ fn holds_checkpoint(path: &Path) -> bool {
 
 /// A run folder cannot be used.
 #[derive(Debug, thiserror::Error)]
-pub(crate) enum RunDirError {
+pub enum RunDirError {
+    /// Another process writes in it.
     #[error("`{}` is in use by another process", path.display())]
-    InUse { path: PathBuf },
+    InUse {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// A new run would write over it.
     #[error("`{}` already holds a run", path.display())]
-    Exists { path: PathBuf },
+    Exists {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// There is nothing to go on with.
     #[error("`{}` holds no run", path.display())]
-    NoRun { path: PathBuf },
+    NoRun {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// The file system refused.
     #[error(transparent)]
     Write(#[from] WriteError),
+    /// The settings cannot be written down.
+    #[error(transparent)]
+    Settings(#[from] SettingsError),
 }
 
 /// A file or folder cannot be written.
 #[derive(Debug, thiserror::Error)]
 #[error("cannot write `{}`", path.display())]
-pub(crate) struct WriteError {
-    pub(crate) path: PathBuf,
-    pub(crate) source: io::Error,
+pub struct WriteError {
+    /// Which one.
+    pub path: PathBuf,
+    /// What the file system said.
+    pub source: io::Error,
 }
 
 fn unwritable(path: &Path) -> impl FnOnce(io::Error) -> WriteError {

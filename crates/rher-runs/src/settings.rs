@@ -1,7 +1,6 @@
 //! Settings of a run: preset < recipe of the task < `--config` < `--set` < other options.
 
-use crate::cli::{Assignment, SettingsArgs};
-use rher_core::agent::config::AgentConfig;
+use rher_core::agent::config::{AgentConfig, EngineKind};
 use rher_core::config::{
     ConfigError, EvaluationConfig, ExplorationConfig, Method, Preset, RelayConfig, ReplayConfig,
     TrainConfig, VERSION,
@@ -20,51 +19,75 @@ const FIXED: [&str; 4] = ["version", "task", "task.name", "preset"];
 
 /// Everything that is part of an experiment: how it is learned, and in which environments.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Settings {
-    pub(crate) config: TrainConfig,
-    pub(crate) options: Options,
+pub struct Settings {
+    /// How it is learned.
+    pub config: TrainConfig,
+    /// What is set about the environments.
+    pub options: Options,
 }
 
-/// The settings that `args` and the files they name come to.
-pub(crate) fn resolve(task: Task, args: &SettingsArgs) -> Result<Settings, SettingsError> {
-    let SettingsArgs { preset, config, set, method, seed, env_steps, until, engine, envs } = args;
-    let file = config.as_deref().map(ConfigFile::read).transpose()?;
+/// What should differ from the defaults.
+#[derive(Clone, Debug, Default)]
+pub struct Asked {
+    /// Where to start from.
+    pub preset: Option<Preset>,
+    /// A settings file.
+    pub config: Option<PathBuf>,
+    /// Single settings, by dotted key.
+    pub set: Vec<(String, Value)>,
+    /// Which method is trained.
+    pub method: Option<Method>,
+    /// Seed of every random draw.
+    pub seed: Option<u64>,
+    /// Environment steps after which training ends.
+    pub env_steps: Option<u64>,
+    /// Success rate that ends the run early.
+    pub until: Option<f32>,
+    /// Who does the arithmetic.
+    pub engine: Option<EngineKind>,
+    /// Environments stepped side by side.
+    pub envs: Option<u64>,
+}
+
+/// The settings of a run on one of our tasks.
+pub fn resolve(task: Task, asked: &Asked) -> Result<Settings, SettingsError> {
+    let file = asked.config.as_deref().map(ConfigFile::read).transpose()?;
     if let Some(file) = &file {
-        file.check_task(task)?;
+        file.check_task(task.name())?;
     }
-    let asked = preset.map(Preset::from);
-    let preset = match &file {
-        Some(file) => file.preset(asked)?,
-        None => asked.unwrap_or(Preset::Fast),
-    };
+    let preset = preset(asked, file.as_ref())?;
     let config = preset.config(task.name(), task.visit(Objects));
-    let mut layers = Layers::new(task, Settings { config, options: Options::of(task.options()) })?;
+    let settings = Settings { config, options: Options::of(task.options()) };
+    let mut layers = Layers::new(Some(task), settings)?;
     if let (Preset::Fast, Some(recipe)) = (preset, recipe(task)) {
         layers.set_all(ConfigFile::parse(&Source::Recipe(task), recipe)?.entries)?;
     }
-    if let Some(file) = file {
-        layers.set_all(file.entries)?;
-    }
-    for Assignment { key, value } in set {
-        if FIXED.contains(&key.as_str()) {
-            return Err(SettingsError::Fixed { key: key.clone() });
-        }
-        layers.set(Entry::new(key, value.clone(), Source::Set))?;
-    }
-    let options = [
-        ("relay.method", "--method", method.map(|name| Method::from(name).name().into())),
-        ("seed", "--seed", seed.map(|seed| Value::Integer(seed.cast_signed()))),
-        ("env_steps", "--env-steps", env_steps.map(|steps| Value::Integer(steps.cast_signed()))),
-        ("until", "--until", until.map(|rate| Value::Float(rate.into()))),
-        ("agent.engine", "--engine", engine.map(|engine| engine.name().into())),
-        ("envs", "--envs", envs.map(|envs| Value::Integer(envs.cast_signed()))),
-    ];
-    for (key, option, value) in options {
-        if let Some(value) = value {
-            layers.set(Entry::new(key, value, Source::Option(option)))?;
-        }
-    }
+    layers.ask(file, asked)?;
     layers.finish()
+}
+
+/// The settings of a run on an environment that someone else made, with `objects` objects.
+pub fn resolve_foreign(
+    name: &str,
+    objects: usize,
+    asked: &Asked,
+) -> Result<TrainConfig, SettingsError> {
+    let file = asked.config.as_deref().map(ConfigFile::read).transpose()?;
+    if let Some(file) = &file {
+        file.check_task(name)?;
+    }
+    let config = preset(asked, file.as_ref())?.config(name, objects);
+    let mut layers = Layers::new(None, Settings { config, options: Options::default() })?;
+    layers.ask(file, asked)?;
+    Ok(layers.finish()?.config)
+}
+
+/// The preset to start from.
+fn preset(asked: &Asked, file: Option<&ConfigFile>) -> Result<Preset, SettingsError> {
+    match file {
+        Some(file) => file.preset(asked.preset),
+        None => Ok(asked.preset.unwrap_or(Preset::Fast)),
+    }
 }
 
 /// Settings that reach the success rate on a task sooner, or with a better budget, than the
@@ -137,10 +160,11 @@ impl ConfigFile {
         }
     }
 
-    fn check_task(&self, task: Task) -> Result<(), SettingsError> {
+    fn check_task(&self, task: &str) -> Result<(), SettingsError> {
         match self.entry(NAME) {
-            Some(Entry { value: Value::String(found), origin, .. }) if found != task.name() => {
-                Err(SettingsError::OtherTask { origin: origin.clone(), found: found.clone(), task })
+            Some(Entry { value: Value::String(found), origin, .. }) if found != task => {
+                let (origin, found, task) = (origin.clone(), found.clone(), task.to_owned());
+                Err(SettingsError::OtherTask { origin, found, task })
             }
             _ => Ok(()),
         }
@@ -229,16 +253,49 @@ fn in_plain_words(problem: &str) -> String {
 
 /// Settings that are being put together.
 struct Layers {
-    task: Task,
+    /// None if the environment is someone else's, about which nothing can be set.
+    task: Option<Task>,
     table: Table,
     settings: Settings,
     origins: BTreeMap<String, Origin>,
 }
 
 impl Layers {
-    fn new(task: Task, settings: Settings) -> Result<Self, SettingsError> {
-        let table = Table::try_from(SettingsFile::of(&settings))?;
+    fn new(task: Option<Task>, settings: Settings) -> Result<Self, SettingsError> {
+        let mut table = Table::try_from(SettingsFile::of(&settings))?;
+        if task.is_none() {
+            table.remove("randomize");
+        }
         Ok(Self { task, table, settings, origins: BTreeMap::new() })
+    }
+
+    /// Sets what the user asks for.
+    fn ask(&mut self, file: Option<ConfigFile>, asked: &Asked) -> Result<(), SettingsError> {
+        let Asked { preset: _, config: _, set, method, seed, env_steps, until, engine, envs } =
+            asked;
+        if let Some(file) = file {
+            self.set_all(file.entries)?;
+        }
+        for (key, value) in set {
+            if FIXED.contains(&key.as_str()) {
+                return Err(SettingsError::Fixed { key: key.clone() });
+            }
+            self.set(Entry::new(key, value.clone(), Source::Set))?;
+        }
+        let options = [
+            ("relay.method", "--method", method.map(|method| method.name().into())),
+            ("seed", "--seed", seed.map(|seed| Value::Integer(seed.cast_signed()))),
+            ("env_steps", "--env-steps", env_steps.map(|n| Value::Integer(n.cast_signed()))),
+            ("until", "--until", until.map(|rate| Value::Float(rate.into()))),
+            ("agent.engine", "--engine", engine.map(Value::try_from).transpose()?),
+            ("envs", "--envs", envs.map(|envs| Value::Integer(envs.cast_signed()))),
+        ];
+        for (key, option, value) in options {
+            if let Some(value) = value {
+                self.set(Entry::new(key, value, Source::Option(option)))?;
+            }
+        }
+        Ok(())
     }
 
     fn set_all(&mut self, entries: Vec<Entry>) -> Result<(), SettingsError> {
@@ -253,8 +310,8 @@ impl Layers {
             }
             (Some(slot), value) => *slot = value.clone(),
             (None, _) => {
-                if let Some(owner) = owner(&entry.key) {
-                    let (origin, key, task) = (entry.origin, entry.key, self.task);
+                if let (Some(task), Some(owner)) = (self.task, owner(&entry.key)) {
+                    let (origin, key) = (entry.origin, entry.key);
                     return Err(SettingsError::OtherTasksOption { origin, key, owner, task });
                 }
                 let nearest = nearest(&self.table, &entry.key);
@@ -272,7 +329,8 @@ impl Layers {
 
     fn finish(self) -> Result<Settings, SettingsError> {
         let Settings { config, options } = self.settings;
-        let options = match options.check(self.task.options()) {
+        let known = self.task.map_or(&[][..], Task::options);
+        let options = match options.check(known) {
             Ok(options) => options,
             Err(error) => {
                 return Err(match self.origins.get(error.key()) {
@@ -352,12 +410,12 @@ fn known_keys(table: &Table) -> Vec<String> {
 }
 
 /// The settings as a file that `--config` takes.
-pub(crate) fn to_toml(settings: &Settings) -> Result<String, SettingsError> {
+pub fn to_toml(settings: &Settings) -> Result<String, SettingsError> {
     Ok(toml::to_string(&SettingsFile::of(settings))?)
 }
 
 /// The settings in a file that [`to_toml`] made, if they can be read.
-pub(crate) fn from_toml(text: &str) -> Option<Settings> {
+pub fn from_toml(text: &str) -> Option<Settings> {
     split(text.parse().ok()?).ok()
 }
 
@@ -425,7 +483,7 @@ impl<'a> SettingsFile<'a> {
 
 /// Who made a setting.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Source {
+pub enum Source {
     /// The task's recipe.
     Recipe(Task),
     /// A file of the user's.
@@ -438,8 +496,9 @@ pub(crate) enum Source {
 
 /// Where a setting was made.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Origin {
-    pub(crate) source: Source,
+pub struct Origin {
+    /// Who made it.
+    pub source: Source,
     at: Option<Place>,
 }
 
@@ -478,35 +537,116 @@ impl fmt::Display for Origin {
 
 /// Settings could not be put together.
 #[derive(Debug, thiserror::Error)]
-pub(crate) enum SettingsError {
+pub enum SettingsError {
+    /// The file system refused.
     #[error("cannot read config file `{}`", path.display())]
-    Read { path: PathBuf, source: io::Error },
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What it said.
+        source: io::Error,
+    },
+    /// The file is not TOML.
     #[error("{origin}: {problem}")]
-    Syntax { origin: Origin, problem: String },
+    Syntax {
+        /// Where.
+        origin: Origin,
+        /// What the parser said.
+        problem: String,
+    },
+    /// The file is of another version.
     #[error("{origin}: the file has version {found}, this program reads version {VERSION}")]
-    Version { origin: Origin, found: i64 },
+    Version {
+        /// Where it says so.
+        origin: Origin,
+        /// The version.
+        found: i64,
+    },
+    /// The file is of another task.
     #[error("{origin}: the file is for task `{found}`, not `{task}`")]
-    OtherTask { origin: Origin, found: String, task: Task },
+    OtherTask {
+        /// Where it says so.
+        origin: Origin,
+        /// Its task.
+        found: String,
+        /// The task that is trained.
+        task: String,
+    },
+    /// The file and the arguments disagree about the preset.
     #[error("{origin}: the file starts from another preset than --preset")]
-    OtherPreset { origin: Origin },
+    OtherPreset {
+        /// Where the file names its own.
+        origin: Origin,
+    },
+    /// The key is not a setting but what the settings are for.
     #[error("`{key}` cannot be changed by --set")]
-    Fixed { key: String },
+    Fixed {
+        /// Dotted.
+        key: String,
+    },
+    /// The key is not known.
     #[error("{origin}: there is no setting `{key}`")]
-    Unknown { origin: Origin, key: String, nearest: Option<String> },
+    Unknown {
+        /// Who asked for it.
+        origin: Origin,
+        /// Dotted.
+        key: String,
+        /// What it may have been meant to be.
+        nearest: Option<String>,
+    },
+    /// The key has settings below it.
     #[error("{origin}: `{key}` is a section, not a setting")]
-    Section { origin: Origin, key: String },
+    Section {
+        /// Who asked for it.
+        origin: Origin,
+        /// Dotted.
+        key: String,
+    },
+    /// The value has another type.
     #[error("{origin}: `{key}`: {problem}")]
-    Mistyped { origin: Origin, key: String, problem: String },
+    Mistyped {
+        /// Who asked for it.
+        origin: Origin,
+        /// Dotted.
+        key: String,
+        /// What was expected.
+        problem: String,
+    },
+    /// Only another task has this setting.
     #[error("{origin}: `{key}` is a setting of `{owner}`, not of `{task}`")]
-    OtherTasksOption { origin: Origin, key: String, owner: Task, task: Task },
+    OtherTasksOption {
+        /// Who asked for it.
+        origin: Origin,
+        /// Dotted.
+        key: String,
+        /// The task that has it.
+        owner: Task,
+        /// The task that is trained.
+        task: Task,
+    },
+    /// A setting is outside its range.
     #[error("{origin}: {error}")]
-    OutOfRange { origin: Origin, error: ConfigError },
+    OutOfRange {
+        /// Who asked for it.
+        origin: Origin,
+        /// What is allowed.
+        error: ConfigError,
+    },
+    /// An option of the environments is outside its range.
     #[error("{origin}: {error}")]
-    Option { origin: Origin, error: OptionError },
+    Option {
+        /// Who asked for it.
+        origin: Origin,
+        /// What is allowed.
+        error: OptionError,
+    },
+    /// Options of the environments are wrong, and nobody asked for them.
     #[error(transparent)]
     Unfit(#[from] OptionError),
+    /// Settings do not go together.
     #[error(transparent)]
     Combination(#[from] ConfigError),
+    /// Settings cannot be written down.
     #[error("the settings do not fit into a TOML file")]
     Unwritten(#[from] toml::ser::Error),
 }

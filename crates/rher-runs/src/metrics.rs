@@ -1,6 +1,6 @@
 //! `metrics.jsonl`: what every evaluation found, one JSON object in a line.
 
-use crate::run_dir::WriteError;
+use crate::folder::WriteError;
 use rher_core::event::Metrics;
 use std::fs::{File, OpenOptions};
 use std::io::{self, Read as _, Seek as _, Write as _};
@@ -8,28 +8,43 @@ use std::path::{Path, PathBuf};
 
 /// The file, open at its end.
 #[derive(Debug)]
-pub(crate) struct MetricsFile {
+pub struct MetricsFile {
     path: PathBuf,
     file: File,
 }
 
 /// The metrics of a run cannot be continued.
 #[derive(Debug, thiserror::Error)]
-pub(crate) enum MetricsError {
+pub enum MetricsError {
+    /// The file system refused.
     #[error("cannot read `{}`", path.display())]
-    Read { path: PathBuf, source: io::Error },
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What it said.
+        source: io::Error,
+    },
+    /// Lines were lost.
     #[error(
         "`{}` has {found} complete lines, but the checkpoint was made after {expected} evaluations",
         path.display()
     )]
-    TooShort { path: PathBuf, found: u64, expected: u64 },
+    TooShort {
+        /// The file.
+        path: PathBuf,
+        /// Its complete lines.
+        found: u64,
+        /// Lines that the checkpoint knows of.
+        expected: u64,
+    },
+    /// The file cannot be made shorter.
     #[error(transparent)]
     Write(#[from] WriteError),
 }
 
 impl MetricsFile {
     /// An empty file.
-    pub(crate) fn create(path: &Path) -> Result<Self, WriteError> {
+    pub fn create(path: &Path) -> Result<Self, WriteError> {
         let file = File::create(path);
         let file = file.map_err(|source| WriteError { path: path.to_owned(), source })?;
         Ok(Self { path: path.to_owned(), file })
@@ -37,7 +52,7 @@ impl MetricsFile {
 
     /// The file of a run whose checkpoint knows of `evaluations` lines; later ones are cut off,
     /// since they will be written again.
-    pub(crate) fn resume(path: &Path, evaluations: u64) -> Result<Self, MetricsError> {
+    pub fn resume(path: &Path, evaluations: u64) -> Result<Self, MetricsError> {
         let unreadable = |source| MetricsError::Read { path: path.to_owned(), source };
         let mut file = OpenOptions::new().read(true).write(true).open(path).map_err(unreadable)?;
         let mut text = Vec::new();
@@ -61,7 +76,7 @@ impl MetricsFile {
     }
 
     /// Writes one line, and sees it onto the disk: a checkpoint will count on it.
-    pub(crate) fn append(&mut self, metrics: &Metrics) -> Result<(), WriteError> {
+    pub fn append(&mut self, metrics: &Metrics) -> Result<(), WriteError> {
         serde_json::to_vec(metrics)
             .map_err(io::Error::from)
             .and_then(|mut line| {
