@@ -43,3 +43,10 @@ pub(crate) fn read(
 pub(crate) fn doubles<'py>(py: Python<'py>, numbers: &[f32]) -> Bound<'py, PyArray1<f64>> {
     PyArray1::from_iter(py, numbers.iter().map(|x| f64::from(*x)))
 }
+
+/// Writes `numbers` as 64-bit numbers; both are equally long.
+pub(crate) fn as_doubles(numbers: &[f32], out: &mut [f64]) {
+    for (out, number) in out.iter_mut().zip(numbers) {
+        *out = f64::from(*number);
+    }
+}

@@ -4,11 +4,14 @@ use pyo3::prelude::*;
 use std::error::Error;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
+pyo3::import_exception!(rher.errors, EnvError);
 pyo3::import_exception!(rher.errors, FileError);
 pyo3::import_exception!(rher.errors, InputError);
 pyo3::import_exception!(rher.errors, InternalError);
 pyo3::import_exception!(rher.errors, PolicyError);
+pyo3::import_exception!(rher.errors, SettingsError);
 pyo3::import_exception!(rher.errors, StateError);
+pyo3::import_exception!(rher.errors, TrainError);
 
 /// An error and its causes, each after a colon.
 pub(crate) fn told(error: &dyn Error) -> String {

@@ -6,12 +6,17 @@
 #![expect(clippy::needless_pass_by_value, reason = "Python hands arguments over by value")]
 
 mod any_env;
+mod any_pool;
+mod any_trainer;
 mod arrays;
 mod env;
 mod error;
+mod foreign;
 mod places;
 mod policy;
 mod state;
+mod train;
+mod vector;
 
 use pyo3::prelude::*;
 
@@ -24,4 +29,8 @@ mod _rher {
     use super::policy::Policy;
     #[pymodule_export]
     use super::state::State;
+    #[pymodule_export]
+    use super::train::{Trainer, run_settings};
+    #[pymodule_export]
+    use super::vector::VectorEnv;
 }

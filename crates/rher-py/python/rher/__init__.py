@@ -22,6 +22,9 @@ from rher.errors import (
     StateError,
     TrainError,
 )
+from rher.run import Run
+from rher.training import Trainer, resume, train
+from rher.vector import TaskVectorEnv
 
 __all__ = [
     "IDS",
@@ -32,12 +35,17 @@ __all__ = [
     "Policy",
     "PolicyError",
     "RherError",
+    "Run",
     "SettingsError",
     "State",
     "StateError",
     "TaskEnv",
+    "TaskVectorEnv",
     "TrainError",
+    "Trainer",
+    "resume",
     "tasks",
+    "train",
 ]
 
 _env.register()

@@ -196,6 +196,7 @@ def register() -> None:
         gymnasium.register(
             id=name,
             entry_point="rher.env:TaskEnv",
+            vector_entry_point="rher.vector:TaskVectorEnv",
             max_episode_steps=_rher.Env(task, "{}").episode_steps,
             # Both are done by the environment itself, at a fraction of the cost.
             order_enforce=False,

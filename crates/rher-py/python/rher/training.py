@@ -1,0 +1,291 @@
+"""Training: on the tasks of this package, and on environments of yours."""
+
+import json
+import os
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium import spaces
+
+from rher import _rher
+from rher.env import as_seed
+from rher.errors import EnvError, InputError, SettingsError
+from rher.run import Run
+
+__all__ = ["Trainer", "resume", "train"]
+
+OnEvent = Callable[[dict[str, Any]], object]
+
+
+def train(
+    task: str,
+    *,
+    seed: int = 1,
+    preset: str | None = None,
+    set: Mapping[str, Any] | None = None,
+    config: str | os.PathLike[str] | None = None,
+    method: str | None = None,
+    env_steps: int | None = None,
+    until: float | None = None,
+    out: str | os.PathLike[str] | None = None,
+    workers: int | None = None,
+    on_event: OnEvent | None = None,
+) -> Run:
+    """Trains on a task, as ``rher train`` does: the same settings give the same numbers.
+
+    Ctrl-C ends the episode, saves everything, and raises ``KeyboardInterrupt``;
+    :func:`rher.resume` goes on.
+
+    :param task: name of the task, see :func:`rher.tasks`.
+    :param seed: of every random draw.
+    :param preset: ``"fast"`` (the default, with the recipe of the task), ``"sample-efficient"`` or
+        ``"paper"``.
+    :param set: single settings by dotted key, such as ``{"agent.discount": 0.98}``; ``rher config
+        TASK`` prints all of them.
+    :param config: a settings file.
+    :param method: ``"rher"`` (the default) or ``"her"``.
+    :param env_steps: environment steps after which it ends.
+    :param until: success rate that ends it early, at the second evaluation running; 0 never does.
+    :param out: folder of the run; ``runs/TASK-METHOD-PRESET-SEED`` if it is not given.
+    :param workers: threads; never part of the result.
+    :param on_event: is called with a dictionary whose ``kind`` is ``"progress"`` (after every
+        episode), ``"evaluated"`` (with all metrics) or ``"saved"``. An exception in it ends the
+        run, saved, and comes out.
+    :return: the run.
+    """
+    arguments = _arguments(seed, preset, set, config, method, env_steps, until)
+    trainer = _rher.Trainer.of_task(task, arguments, out, workers)
+    return _to_the_end(trainer, None, None, on_event)
+
+
+def resume(
+    path: str | os.PathLike[str],
+    *,
+    env_steps: int | None = None,
+    until: float | None = None,
+    workers: int | None = None,
+    on_event: OnEvent | None = None,
+) -> Run:
+    """Goes on with a run of one of our tasks: the result is as if it had never stopped.
+
+    :param path: folder of the run.
+    :param env_steps: as in :func:`rher.train`, if it should be another number.
+    :param until: as in :func:`rher.train`, if it should be another one.
+    :param workers: as in :func:`rher.train`.
+    :param on_event: as in :func:`rher.train`.
+    :return: the run.
+    """
+    trainer = _rher.Trainer.resumed(path, None, workers)
+    return _to_the_end(trainer, env_steps, until, on_event)
+
+
+def _to_the_end(
+    trainer: "_rher.Trainer", env_steps: int | None, until: float | None, on_event: OnEvent | None
+) -> Run:
+    """Trains, and gives the folder free whatever happens."""
+    try:
+        trainer.learn(env_steps, until, on_event)
+        return Run(trainer.folder)
+    finally:
+        trainer.close()
+
+
+class Trainer:
+    """Relay hindsight experience replay on a goal environment of yours.
+
+    The environment has the interface of Gymnasium-Robotics: observations are dictionaries with
+    ``observation``, ``achieved_goal`` (where the objects are) and ``desired_goal`` (where they
+    should be), actions are within -1 and 1, and every episode has the same number of steps. Its
+    reward is not asked for: the reward is 0 where every object is within ``tolerance`` of its
+    place, and -1 elsewhere. Only ``reset`` and ``step`` are called.
+
+    >>> env = gymnasium.make("FetchPush-v4")
+    >>> trainer = rher.Trainer(env, objects=1, gripper=slice(0, 3), preset="paper")
+    >>> run = trainer.learn(env_steps=80_000)
+    >>> action = trainer.policy(env.reset()[0])
+
+    :param env: the environment.
+    :param objects: how many objects it has (1 to 3), three numbers of a goal for each, in the order
+        in which they are to be placed; 0 if the goal is a place for the gripper itself.
+    :param gripper: where in ``observation`` the gripper's position is, in metres.
+    :param tolerance: how near counts as there, in metres; ``env.unwrapped.distance_threshold`` or
+        0.05 if it is not given.
+    :param episode_steps: steps of every episode; those of ``gymnasium.make`` if it is not given.
+    :param name: under which the run and its policy remember the environment.
+    :param seed: as in :func:`rher.train`, and so are those that follow.
+    :param resume: folder of a run on this environment to go on with; settings stay as they were.
+    """
+
+    def __init__(
+        self,
+        env: gymnasium.Env,
+        *,
+        objects: int = 1,
+        gripper: slice = slice(0, 3),
+        tolerance: float | None = None,
+        episode_steps: int | None = None,
+        name: str | None = None,
+        seed: int = 1,
+        preset: str | None = None,
+        set: Mapping[str, Any] | None = None,
+        config: str | os.PathLike[str] | None = None,
+        method: str | None = None,
+        env_steps: int | None = None,
+        until: float | None = None,
+        out: str | os.PathLike[str] | None = None,
+        workers: int | None = None,
+        resume: str | os.PathLike[str] | None = None,
+    ) -> None:
+        about = json.dumps(_about(env, objects, gripper, tolerance, episode_steps, name))
+        if resume is None:
+            arguments = _arguments(seed, preset, set, config, method, env_steps, until)
+            self._trainer = _rher.Trainer.of_env(env, about, arguments, out, workers)
+        else:
+            self._trainer = _rher.Trainer.resumed(resume, (env, about), workers)
+
+    @property
+    def policy(self) -> "_rher.Policy":
+        """The policy as it is now."""
+        return self._trainer.policy
+
+    @property
+    def run(self) -> Run:
+        """The folder of the run."""
+        return Run(self._trainer.folder)
+
+    @property
+    def env_steps(self) -> int:
+        """Environment steps of training so far."""
+        return self._trainer.env_steps
+
+    def learn(
+        self,
+        env_steps: int | None = None,
+        until: float | None = None,
+        on_event: OnEvent | None = None,
+    ) -> Run:
+        """Trains until the run has taken ``env_steps`` in all, or is good enough.
+
+        What the environment raises comes out as the cause of a :class:`rher.EnvError`, with
+        everything before that episode saved. Ctrl-C is as in :func:`rher.train`, and so are the
+        parameters.
+        """
+        self._trainer.learn(env_steps, until, on_event)
+        return self.run
+
+    def close(self) -> None:
+        """Gives the folder of the run free, so that it can be resumed elsewhere."""
+        self._trainer.close()
+
+    def __enter__(self) -> "Trainer":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+
+def _arguments(
+    seed: int,
+    preset: str | None,
+    set: Mapping[str, Any] | None,
+    config: str | os.PathLike[str] | None,
+    method: str | None,
+    env_steps: int | None,
+    until: float | None,
+) -> str:
+    """What a run is asked to do, as JSON."""
+    arguments = {
+        "preset": preset,
+        "config": None if config is None else os.fspath(config),
+        "set": dict(set or {}),
+        "method": method,
+        "seed": as_seed(seed),
+        "env_steps": env_steps,
+        "until": until,
+    }
+    try:
+        return json.dumps(arguments)
+    except TypeError as error:
+        raise SettingsError(f"settings hold something that TOML does not know: {error}") from error
+
+
+def _about(
+    env: gymnasium.Env,
+    objects: int,
+    gripper: slice,
+    tolerance: float | None,
+    episode_steps: int | None,
+    name: str | None,
+) -> dict[str, Any]:
+    """What the learner needs to know about an environment; checks that it can be learned."""
+    if objects not in range(4):
+        raise InputError(f"objects is {objects!r}, expected 0 to 3")
+    observation_space, action_space = env.observation_space, env.action_space
+    keys = ("observation", "achieved_goal", "desired_goal")
+    if not isinstance(observation_space, spaces.Dict) or not all(
+        isinstance(observation_space.spaces.get(key), spaces.Box)
+        and len(observation_space[key].shape) == 1
+        for key in keys
+    ):
+        raise InputError(
+            f"the observation space is {observation_space}, expected a Dict with the one-dimensional "
+            f"Boxes {', '.join(keys)}"
+        )
+    width, *goals = (observation_space[key].shape[0] for key in keys)
+    goal = 3 * max(objects, 1)
+    if goals != [goal, goal]:
+        raise InputError(f"goals have {goals} numbers, expected {goal} each for objects={objects}")
+    if not isinstance(action_space, spaces.Box) or len(action_space.shape) != 1:
+        raise InputError(f"the action space is {action_space}, expected a one-dimensional Box")
+    if not (np.all(action_space.low == -1) and np.all(action_space.high == 1)):
+        raise InputError(
+            f"the action space is {action_space}, expected -1 to 1: "
+            "gymnasium.wrappers.RescaleAction makes it so"
+        )
+    first, last, step = gripper.indices(width)
+    if step != 1 or last - first != 3:
+        raise InputError(f"gripper is {gripper}, expected three numbers of the {width} observed")
+    if episode_steps is None:
+        episode_steps = env.spec.max_episode_steps if env.spec is not None else None
+    if not isinstance(episode_steps, int) or episode_steps < 1:
+        raise InputError(f"episode_steps is {episode_steps!r}, expected how many steps episodes have")
+    if tolerance is None:
+        tolerance = float(getattr(env.unwrapped, "distance_threshold", 0.05))
+    if not 0 < tolerance < np.inf:
+        raise InputError(f"tolerance is {tolerance}, expected metres")
+    if name is None:
+        name = env.spec.id if env.spec is not None else type(env.unwrapped).__name__
+    return {
+        "name": name.replace("/", "-"),
+        "objects": objects,
+        "observation": width,
+        "action": action_space.shape[0],
+        "episode_steps": episode_steps,
+        "tolerance": tolerance,
+        "places": {"gripper": first, "objects": _find_objects(env, objects)},
+    }
+
+
+def _find_objects(env: gymnasium.Env, objects: int) -> list[int] | None:
+    """Where in observations the objects' positions are, if all of them are there.
+
+    Found by watching two episodes begin; only those who call a policy without ``achieved_goal``
+    need it.
+    """
+    places: list[list[int]] = []
+    for seed in range(2):
+        try:
+            seen, _ = env.reset(seed=seed)
+        except Exception as error:
+            raise EnvError(f"the environment cannot be reset: {error}") from error
+        observation = np.asarray(seen["observation"])
+        for index, position in enumerate(np.reshape(seen["achieved_goal"], (-1, 3))[:objects]):
+            windows = np.lib.stride_tricks.sliding_window_view(observation, 3)
+            here = np.flatnonzero((windows == position).all(axis=1)).tolist()
+            if seed == 0:
+                places.append(here)
+            else:
+                places[index] = [place for place in places[index] if place in here]
+    return [place[0] for place in places] if objects and all(places) else None

@@ -1,0 +1,249 @@
+//! Many environments, stepped together from Python.
+
+use crate::any_env::Widths;
+use crate::any_pool::{self, AnyPool};
+use crate::arrays::{as_doubles, read};
+use crate::env::{made_of, parse};
+use crate::error::{InputError, StateError, told, unlocked};
+use numpy::{PyArray1, PyArray2, PyArrayMethods as _};
+use pyo3::intern;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
+use rher_envs::{AutoReset, Frames, PoolError};
+use std::sync::{Mutex, MutexGuard, TryLockError};
+
+/// Environments of one task that are stepped together, without Python's lock.
+#[pyclass(frozen, module = "rher._rher")]
+pub(crate) struct VectorEnv {
+    envs: usize,
+    widths: Widths,
+    slot: Mutex<Slot>,
+    /// What steps write to, if it is not a new array each time.
+    kept: Option<Arrays>,
+}
+
+/// What changes in the environments.
+struct Slot {
+    /// None once they are closed.
+    pool: Option<Box<dyn AnyPool>>,
+    seeded: bool,
+    /// The actions, kept to save an allocation.
+    actions: Vec<f32>,
+}
+
+/// What a step is told by: one row for each environment.
+struct Arrays {
+    observations: Py<PyArray2<f64>>,
+    achieved: Py<PyArray2<f64>>,
+    desired: Py<PyArray2<f64>>,
+    rewards: Py<PyArray1<f64>>,
+    terminations: Py<PyArray1<bool>>,
+    truncations: Py<PyArray1<bool>>,
+}
+
+impl Arrays {
+    fn new(py: Python<'_>, envs: usize, widths: &Widths) -> Self {
+        let zeros = |width| PyArray2::zeros(py, [envs, width], false).unbind();
+        Self {
+            observations: zeros(widths.observation),
+            achieved: zeros(3 * widths.objects),
+            desired: zeros(3 * widths.objects),
+            rewards: PyArray1::zeros(py, envs, false).unbind(),
+            terminations: PyArray1::zeros(py, envs, false).unbind(),
+            truncations: PyArray1::zeros(py, envs, false).unbind(),
+        }
+    }
+
+    /// Writes what the environments see now, and returns it as Gymnasium has it.
+    fn see<'py>(&self, py: Python<'py>, now: &Frames) -> PyResult<Bound<'py, PyDict>> {
+        let dict = PyDict::new(py);
+        for (name, array, numbers) in [
+            (intern!(py, "observation"), &self.observations, &now.observations),
+            (intern!(py, "achieved_goal"), &self.achieved, &now.achieved),
+            (intern!(py, "desired_goal"), &self.desired, &now.desired),
+        ] {
+            let array = array.bind(py);
+            as_doubles(numbers, array.try_readwrite().map_err(unwritable)?.as_slice_mut()?);
+            dict.set_item(name, array)?;
+        }
+        Ok(dict)
+    }
+}
+
+fn unwritable(error: numpy::BorrowError) -> PyErr {
+    StateError::new_err(format!("an array that the environments write to is in use: {error}"))
+}
+
+#[pymethods]
+impl VectorEnv {
+    /// `envs` environments of `task` on as many `threads`; with `copy`, every step makes new
+    /// arrays.
+    #[new]
+    fn new(
+        py: Python<'_>,
+        task: &str,
+        options: &str,
+        envs: usize,
+        threads: usize,
+        auto_reset: &str,
+        copy: bool,
+    ) -> PyResult<Self> {
+        let auto_reset = match auto_reset {
+            "NextStep" => AutoReset::NextStep,
+            "SameStep" => AutoReset::SameStep,
+            "Disabled" => AutoReset::Never,
+            _ => {
+                return Err(InputError::new_err(format!(
+                    "autoreset_mode is `{auto_reset}`, expected NextStep, SameStep or Disabled"
+                )));
+            }
+        };
+        let invalid = |error: &dyn std::error::Error| InputError::new_err(told(error));
+        let (widths, pool) = unlocked(py, || {
+            let (_, _, one) = made_of(task, options)?;
+            let (task, options) = parse(task, options)?;
+            let pool = any_pool::build(task, &options, envs, threads, auto_reset);
+            let pool = pool.map_err(|error| invalid(&error))?.map_err(|error| invalid(&error))?;
+            PyResult::Ok((one.widths(), pool))
+        })??;
+        let slot = Slot { pool: Some(pool), seeded: false, actions: Vec::new() };
+        let kept = (!copy).then(|| Arrays::new(py, envs, &widths));
+        Ok(Self { envs, widths, slot: Mutex::new(slot), kept })
+    }
+
+    /// Whether the environments have been seeded.
+    #[getter]
+    fn is_seeded(&self) -> PyResult<bool> {
+        Ok(self.lock()?.seeded)
+    }
+
+    /// Starts an episode in every environment: of its own seed, or the next one.
+    #[pyo3(signature = (seeds=None))]
+    fn reset<'py>(
+        &self,
+        py: Python<'py>,
+        seeds: Option<Vec<u64>>,
+    ) -> PyResult<Bound<'py, PyTuple>> {
+        let mut slot = self.lock()?;
+        let Slot { pool, seeded, .. } = &mut *slot;
+        let pool = pool.as_mut().ok_or_else(closed)?;
+        let all = vec![true; self.envs];
+        match &seeds {
+            Some(seeds) => unlocked(py, || pool.reset(seeds))?,
+            None if *seeded => unlocked(py, || pool.reset_where(&all))?,
+            None => return Err(StateError::new_err("the first reset needs seeds")),
+        }
+        .map_err(from_pool)?;
+        *seeded = true;
+        self.started(py, pool.as_ref(), &all)
+    }
+
+    /// Starts the next episode in the environments that `mask` marks.
+    fn reset_where<'py>(&self, py: Python<'py>, mask: Vec<bool>) -> PyResult<Bound<'py, PyTuple>> {
+        let mut slot = self.lock()?;
+        if !slot.seeded {
+            return Err(StateError::new_err("the first reset is of all environments"));
+        }
+        let pool = slot.pool.as_mut().ok_or_else(closed)?;
+        unlocked(py, || pool.reset_where(&mask))?.map_err(from_pool)?;
+        self.started(py, pool.as_ref(), &mask)
+    }
+
+    /// Acts in every environment for one step: observations, rewards, terminations, truncations,
+    /// infos.
+    fn step<'py>(
+        &self,
+        py: Python<'py>,
+        actions: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyTuple>> {
+        let mut slot = self.lock()?;
+        let Slot { pool, actions: numbers, .. } = &mut *slot;
+        let pool = pool.as_mut().ok_or_else(closed)?;
+        read("the actions", actions, &[self.envs, self.widths.action], numbers)?;
+        unlocked(py, || pool.step(numbers))?.map_err(from_pool)?;
+
+        let new;
+        let arrays = if let Some(kept) = &self.kept {
+            kept
+        } else {
+            new = Arrays::new(py, self.envs, &self.widths);
+            &new
+        };
+        let observations = arrays.see(py, pool.now())?;
+        let rewards = arrays.rewards.bind(py);
+        as_doubles(pool.rewards(), rewards.try_readwrite().map_err(unwritable)?.as_slice_mut()?);
+        let truncations = arrays.truncations.bind(py);
+        let mut ends = truncations.try_readwrite().map_err(unwritable)?;
+        ends.as_slice_mut()?.copy_from_slice(pool.ended());
+        drop(ends);
+        let info = info(py, &pool.solved(), &vec![true; self.envs])?;
+        (observations, rewards, arrays.terminations.bind(py), truncations, info).into_pyobject(py)
+    }
+
+    /// What was seen at the end of the episodes that ended in the last step, and whether their
+    /// tasks were solved; with `SameStep`.
+    fn last<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        let slot = self.lock()?;
+        let pool = slot.pool.as_ref().ok_or_else(closed)?;
+        let frames = Arrays::new(py, self.envs, &self.widths).see(py, pool.last())?;
+        let solved: Vec<bool> =
+            pool.successes().iter().zip(pool.ended()).map(|(a, b)| *a && *b).collect();
+        (frames, info(py, &solved, pool.ended())?).into_pyobject(py)
+    }
+
+    /// Frees the environments; they cannot be used any more.
+    fn close(&self) -> PyResult<()> {
+        self.lock()?.pool = None;
+        Ok(())
+    }
+}
+
+impl VectorEnv {
+    /// What is told of environments whose episodes have begun.
+    fn started<'py>(
+        &self,
+        py: Python<'py>,
+        pool: &dyn AnyPool,
+        mask: &[bool],
+    ) -> PyResult<Bound<'py, PyTuple>> {
+        let new;
+        let arrays = if let Some(kept) = &self.kept {
+            kept
+        } else {
+            new = Arrays::new(py, self.envs, &self.widths);
+            &new
+        };
+        let solved: Vec<bool> = pool.solved().iter().zip(mask).map(|(a, b)| *a && *b).collect();
+        (arrays.see(py, pool.now())?, info(py, &solved, mask)?).into_pyobject(py)
+    }
+
+    fn lock(&self) -> PyResult<MutexGuard<'_, Slot>> {
+        match self.slot.try_lock() {
+            Ok(slot) => Ok(slot),
+            Err(TryLockError::Poisoned(poisoned)) => Ok(poisoned.into_inner()),
+            Err(TryLockError::WouldBlock) => {
+                Err(StateError::new_err("the environments are in use by another thread"))
+            }
+        }
+    }
+}
+
+fn closed() -> PyErr {
+    StateError::new_err("the environments are closed")
+}
+
+fn from_pool(error: PoolError) -> PyErr {
+    match error {
+        PoolError::NotReset { .. } | PoolError::Env { .. } => StateError::new_err(told(&error)),
+        _ => InputError::new_err(told(&error)),
+    }
+}
+
+/// `is_success`, and which rows have it.
+fn info<'py>(py: Python<'py>, solved: &[bool], mask: &[bool]) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    let solved = solved.iter().map(|solved| f64::from(u8::from(*solved)));
+    dict.set_item(intern!(py, "is_success"), PyArray1::from_iter(py, solved))?;
+    dict.set_item(intern!(py, "_is_success"), PyArray1::from_slice(py, mask))?;
+    Ok(dict)
+}

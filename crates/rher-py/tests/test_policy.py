@@ -1,0 +1,109 @@
+"""Policies: what they are given, what they return, and what is refused."""
+
+import gymnasium
+import numpy as np
+import pytest
+import rher
+
+
+@pytest.fixture(scope="module")
+def path(tmp_path_factory):
+    """The policy of a short run on every task that the tests name."""
+    folder = tmp_path_factory.mktemp("policies")
+    tiny = {"agent.hidden": [16, 16], "replay.batch_size": 16, "evaluation.episodes": 2}
+
+    def of(task):
+        run = folder / task
+        if not run.exists():
+            rher.train(task, set=tiny, env_steps=100, out=run)
+        return run / "policy.safetensors"
+
+    return of
+
+
+@pytest.mark.parametrize(("name", "task"), rher.IDS.items())
+def test_an_observation_alone_or_with_its_parts_gives_the_same_action(name, task, path):
+    policy = rher.Policy.load(path(task))
+    env = gymnasium.make(name)
+    observation, _ = env.reset(seed=0)
+    for _ in range(5):
+        action = policy(observation)
+        assert action.shape == env.action_space.shape and action.dtype == np.float32
+        assert np.abs(action).max() <= 1
+        parts = policy(observation["observation"], observation["desired_goal"])
+        assert np.array_equal(parts, action)
+        observation, *_ = env.step(action)
+
+
+@pytest.mark.parametrize("name", ["rher/Push-v0", "rher/DPush-v0"])
+def test_a_batch_is_its_rows(name, path):
+    policy = rher.Policy.load(path(rher.IDS[name]))
+    envs = gymnasium.make_vec(name, num_envs=5)
+    observations, _ = envs.reset(seed=0)
+    actions = policy(observations)
+    assert actions.shape == (5, 4)
+    for row in range(5):
+        one = {key: value[row] for key, value in observations.items()}
+        assert np.array_equal(policy(one), actions[row])
+    assert policy({key: value[:0] for key, value in observations.items()}).shape == (0, 4)
+    assert np.array_equal(envs.step(actions)[0]["desired_goal"], observations["desired_goal"])
+
+
+def test_goals_matter(path):
+    policy = rher.Policy.load(path("push"))
+    observation, _ = gymnasium.make("rher/Push-v0").reset(seed=0)
+    there = policy(observation["observation"], observation["desired_goal"])
+    elsewhere = policy(observation["observation"], observation["desired_goal"] + 0.1)
+    assert not np.array_equal(there, elsewhere)
+
+
+def test_files_are_written_and_read(path, tmp_path):
+    policy = rher.Policy.load(path("push"))
+    policy.save(tmp_path / "copy.safetensors")
+    copy = rher.Policy.load(tmp_path / "copy.safetensors")
+    observation, _ = gymnasium.make("rher/Push-v0").reset(seed=0)
+    assert np.array_equal(copy(observation), policy(observation))
+    assert (copy.task, copy.objects, copy.observation_width, copy.action_width) == ("push", 1, 25, 4)
+    with pytest.raises(rher.FileError):
+        policy.save(tmp_path / "no" / "where.safetensors")
+
+
+def test_files_that_are_no_policies_are_named(tmp_path, path):
+    with pytest.raises(OSError, match="nowhere"):
+        rher.Policy.load(tmp_path / "nowhere.safetensors")
+    junk = tmp_path / "junk.safetensors"
+    junk.write_bytes(b"junk" * 100)
+    with pytest.raises(rher.PolicyError, match="junk.safetensors"):
+        rher.Policy.load(junk)
+    junk.write_bytes(path("push").read_bytes()[:-100])
+    with pytest.raises(rher.PolicyError):
+        rher.Policy.load(junk)
+
+
+def test_a_policy_for_another_task_is_refused(path):
+    policy = rher.Policy.load(path("push"))
+    observation, _ = gymnasium.make("rher/DPush-v0").reset(seed=0)
+    with pytest.raises(rher.InputError, match="for another task"):
+        policy(observation)
+    observation, _ = gymnasium.make("rher/Reach-v0").reset(seed=0)
+    with pytest.raises(rher.InputError, match=r"shape \[10\], expected \(25,\)"):
+        policy(observation)
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        (np.zeros(25),),
+        (np.zeros(25), np.zeros(4)),
+        (np.zeros((2, 25)), np.zeros(3)),
+        (np.full(25, np.nan), np.zeros(3)),
+        ("there", np.zeros(3)),
+        ({"observation": np.zeros(25)},),
+        ({},),
+        (None, None),
+    ],
+    ids=repr,
+)
+def test_wrong_arguments_are_refused(arguments, path):
+    with pytest.raises(rher.InputError):
+        rher.Policy.load(path("push"))(*arguments)
