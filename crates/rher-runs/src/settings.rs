@@ -95,6 +95,7 @@ fn preset(asked: &Asked, file: Option<&ConfigFile>) -> Result<Preset, SettingsEr
 fn recipe(task: Task) -> Option<&'static str> {
     match task {
         Task::Reach => Some(include_str!("../../../recipes/reach.toml")),
+        Task::Slide => Some(include_str!("../../../recipes/slide.toml")),
         Task::CuePush => Some(include_str!("../../../recipes/cue-push.toml")),
         _ => None,
     }
