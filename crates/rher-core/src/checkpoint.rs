@@ -12,6 +12,7 @@
 //! episode's number, the episode as little-endian `f32`, and a CRC-32 of both. Records come first,
 //! so a state never counts an episode that is not there.
 
+use crate::agent::critic::Critic;
 use crate::agent::learner::LearnerState;
 use crate::config::TrainConfig;
 use crate::env::EnvSpec;
@@ -97,6 +98,11 @@ pub fn read_config(folder: &Path) -> Result<TrainConfig, CheckpointError> {
 /// The settings that the environment of the run in `folder` was made with, in its own words.
 pub fn read_variant(folder: &Path) -> Result<String, CheckpointError> {
     read_state(folder).map(|(state, _)| state.about.variant)
+}
+
+/// The first critic of the run in `folder`: what the learner expects of actions.
+pub fn read_critic(folder: &Path) -> Result<Critic, CheckpointError> {
+    read_state(folder).map(|(state, learner)| Critic::new(state.encoder, &learner.critics[0]))
 }
 
 /// Writes a checkpoint of `state`, of `learner` and of the episodes that are not on disk yet, whose first is

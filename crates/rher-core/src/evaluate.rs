@@ -1,10 +1,13 @@
 //! How good a policy is: deterministic, on fixed episodes, judged at the last step.
 
+use crate::agent::critic::Critic;
 use crate::agent::policy::{Mismatch, Policy};
 use crate::config::{EvaluationConfig, TestPolicy};
 use crate::env::Env;
 use crate::episode::{Episode, RolloutError, rollout};
+use crate::explore::Decider;
 use crate::goal::{Achieved, Desired, EncodedGoal, Leg, Stage, Tolerances};
+use crate::script::{Decision, Script};
 use crate::seed::{Purpose, Seed};
 use rand::RngExt as _;
 use rayon::prelude::*;
@@ -82,7 +85,7 @@ pub fn evaluate<const N: usize, E: Env<N>>(
                 .skip(worker)
                 .step_by(workers)
                 .map(|&(stage, episode)| {
-                    let played =
+                    let Played { episode: played, .. } =
                         play(env, policy, stage, test_policy, Seed(config.env_seed), episode)?;
                     let end = played.achieved[played.achieved.len() - 1];
                     let met = EncodedGoal::new(stage, &end, &played.desired)
@@ -127,20 +130,51 @@ pub fn evaluate<const N: usize, E: Env<N>>(
     })
 }
 
-fn play<const N: usize>(
+/// An evaluation episode.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Played<const N: usize> {
+    /// The sub-task that it was for.
+    pub stage: Stage<N>,
+    /// Seed that the environment was reset with.
+    pub seed: u64,
+    /// What happened.
+    pub episode: Episode<N>,
+    /// The sub-tasks whose policies chose the actions: `[T]`.
+    pub stages: Vec<Stage<N>>,
+}
+
+impl<const N: usize> Played<N> {
+    /// What the episode can be played again from, as number `number` of its kind, with what
+    /// `critic` expects of its actions.
+    pub fn script(&self, number: u64, critic: Option<&Critic>) -> Script {
+        let Self { stage: goal, seed, episode, stages } = self;
+        let values = critic.map(|critic| critic.values(episode, stages));
+        let decision = |(step, stage): (usize, &Stage<N>)| Decision {
+            decider: if stage == goal { Decider::Learner } else { Decider::Guide },
+            subtask: stage.index(),
+            value: values.as_ref().map(|values| values[step]),
+        };
+        let decisions = stages.iter().enumerate().map(decision).collect();
+        Script { number, seed: *seed, actions: episode.actions.clone(), decisions }
+    }
+}
+
+/// Plays the evaluation episode with this number for the sub-task that ends with `stage`.
+pub fn play<const N: usize>(
     env: &mut impl Env<N>,
     policy: &Policy,
     stage: Stage<N>,
     test_policy: TestPolicy,
     seed: Seed,
     episode: u64,
-) -> Result<Episode<N>, RolloutError> {
+) -> Result<Played<N>, RolloutError> {
     let tolerances = env.spec().tolerances;
     let reach_distance = policy.about().reach_distance;
     let mut actor = policy.actor();
     let mut rng = seed.stream(Purpose::Exploration, episode);
+    let mut stages = Vec::with_capacity(env.spec().episode_steps);
     let env_seed = seed.episode(Purpose::Evaluation, episode);
-    rollout(env, env_seed, |view, action| {
+    let episode = rollout(env, env_seed, |view, action| {
         let current = || {
             let now = Stage::of(view.achieved, view.desired, &tolerances, reach_distance);
             if now.index() < stage.index() { now } else { stage }
@@ -150,8 +184,10 @@ fn play<const N: usize>(
             TestPolicy::Mix if rng.random() => current(),
             TestPolicy::Mix | TestPolicy::Final => stage,
         };
+        stages.push(acting);
         actor.act(acting, view.observation, view.achieved, view.desired, action);
-    })
+    })?;
+    Ok(Played { stage, seed: env_seed, episode, stages })
 }
 
 /// Whether the object that `stage` reaches has moved, and all before it end in their places.
@@ -172,7 +208,9 @@ fn was_touched<const N: usize>(
         && (0..object).all(is_placed)
 }
 
-fn final_distance<const N: usize>(
+/// How far a scene is from what the sub-task that ends with `stage` is for, in metres: the mean
+/// over objects to their targets, or the gripper to the object it should reach.
+pub fn final_distance<const N: usize>(
     stage: Stage<N>,
     Achieved(end): &Achieved<N>,
     desired: &Desired<N>,

@@ -1,10 +1,13 @@
 //! What happens in a run, for those who watch it.
 
+use crate::script::Script;
 use serde::{Deserialize, Serialize};
 
 /// Something that happened in a run.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Event {
+    /// A training episode was played that the observer [wants](Observer::wants).
+    Explored(Box<Script>),
     /// Training episodes ended and the updates after them were made.
     Progress(Progress),
     /// An evaluation ended.
@@ -108,6 +111,11 @@ pub struct ObserverError(#[from] pub Box<dyn std::error::Error + Send + Sync>);
 pub trait Observer {
     /// Takes note of `event`.
     fn on(&mut self, event: &Event) -> Result<(), ObserverError>;
+
+    /// Whether it wants to be told of the training episode with this number, counted from 0.
+    fn wants(&self, _episode: u64) -> bool {
+        false
+    }
 }
 
 /// A closure is an observer: `&mut |_: &Event| Ok(())` watches nothing.

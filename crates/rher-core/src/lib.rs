@@ -46,6 +46,7 @@ pub mod input;
 pub mod normalize;
 pub mod relabel;
 pub mod replay;
+pub mod script;
 pub mod seed;
 #[cfg(feature = "agent")]
 pub mod train;

@@ -36,7 +36,8 @@ pub use observation::{Sink, Subject, gripper_and_object};
 pub use options::{OptionError, OptionValue, Options, Randomize, TaskOption, TaskOptions};
 pub use pool::{AutoReset, Frames, Pool, PoolError};
 pub use sim::{
-    Body, DETECTIONS_AND_SOLVER_SUBSTEPS as SUBSTEPS, Fingers, Grip, Motion, Scenery, World,
+    Body, DETECTIONS_AND_SOLVER_SUBSTEPS as SUBSTEPS, Fingers, Grip, Motion, RAPIER_VERSION,
+    STEP_SECONDS, Scenery, World,
 };
 pub use simulation::{ACTION_WIDTH, Layout, OtherOptions, Scenario, Simulated, Simulation, State};
 pub use task::{EnvVisitor, Task, UnknownTask};

@@ -6,6 +6,8 @@ pub mod adam;
 pub mod burn;
 pub mod config;
 #[cfg(feature = "agent")]
+pub mod critic;
+#[cfg(feature = "agent")]
 pub mod fused;
 #[cfg(feature = "agent")]
 pub mod infer;

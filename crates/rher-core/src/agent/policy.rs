@@ -101,6 +101,11 @@ impl Policy {
         &self.about
     }
 
+    /// What the network sees.
+    pub(crate) fn encoder(&self) -> &InputEncoder {
+        &self.encoder
+    }
+
     /// Something that acts with this policy, with buffers of its own.
     pub fn actor(&self) -> Actor<'_> {
         Actor {

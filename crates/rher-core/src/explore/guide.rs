@@ -4,16 +4,27 @@ use super::Curriculum;
 use crate::config::{ExplorationConfig, Method, TrainConfig, TrainPolicy};
 use crate::goal::Stage;
 use rand::{Rng, RngExt as _};
+use serde::{Deserialize, Serialize};
 
 /// Who chooses an action.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Choice<const N: usize> {
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Decider {
+    /// The policy of a sub-task that leads to where the learner can learn.
+    Guide,
+    /// The policy that is to be learned there, or that the episode is for.
+    Learner,
     /// Chance: a uniform draw.
     Random,
-    /// The policy of a sub-task that leads to where the learner can learn.
-    Guide(Stage<N>),
-    /// The policy that is to be learned there.
-    Learner(Stage<N>),
+}
+
+/// Who chooses an action, and for what.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Choice<const N: usize> {
+    /// Who.
+    pub decider: Decider,
+    /// The sub-task whose policy it is; where chance chooses, the one that is to be learned.
+    pub stage: Stage<N>,
 }
 
 /// Draws who chooses each action of an episode.
@@ -43,25 +54,38 @@ impl<const N: usize> Guide<N> {
     /// With probability β it is chance, with α the policy of sub-task max(g, j), otherwise the one
     /// after it. Where both are the last sub-task it counts as the learner.
     pub fn draw(&self, stage: Stage<N>, rng: &mut impl Rng) -> Choice<N> {
-        let first = self.leading.max(stage.index()).min(self.last);
-        let next = (first + 1).min(self.last);
-        let guided = self.method == Method::Rher && first < next;
-        let learner = if self.method == Method::Her { self.last } else { next };
+        let first = self.first(stage);
+        let learner = self.learner(stage);
+        let guided = self.method == Method::Rher && first < learner.index();
 
-        let random = self.config.random * self.exploration(learner);
+        let random = self.config.random * self.exploration(learner.index());
         let guide = match self.config.train_policy {
             TrainPolicy::Mix => self.config.guide,
             TrainPolicy::Guide => 1.0,
         };
         let draw = rng.random::<f32>();
-        let policy = |index| Stage::from_index(index).unwrap_or(stage);
         if draw < random {
-            Choice::Random
+            Choice { decider: Decider::Random, stage: learner }
         } else if guided && draw < random + guide {
-            Choice::Guide(policy(first))
+            let stage = Stage::from_index(first).unwrap_or(stage);
+            Choice { decider: Decider::Guide, stage }
         } else {
-            Choice::Learner(policy(learner))
+            Choice { decider: Decider::Learner, stage: learner }
         }
+    }
+
+    /// The sub-task that is to be learned in a scene at `stage`.
+    pub fn learner(&self, stage: Stage<N>) -> Stage<N> {
+        let index = match self.method {
+            Method::Rher => (self.first(stage) + 1).min(self.last),
+            Method::Her => self.last,
+        };
+        Stage::from_index(index).unwrap_or(stage)
+    }
+
+    /// Index of the sub-task max(g, j), whose policy guides.
+    fn first(&self, stage: Stage<N>) -> usize {
+        self.leading.max(stage.index()).min(self.last)
     }
 
     /// Standard deviation of the noise on an action of the policy of `stage`.

@@ -5,4 +5,4 @@ mod curriculum;
 mod guide;
 
 pub use curriculum::Curriculum;
-pub use guide::{Choice, Guide};
+pub use guide::{Choice, Decider, Guide};

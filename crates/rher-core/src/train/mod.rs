@@ -3,6 +3,7 @@
 mod tally;
 
 use crate::agent::config::{AgentConfig, EngineKind, TargetEvery};
+use crate::agent::critic::Critic;
 use crate::agent::learner::{Engine, LearnerState, NotFinite};
 use crate::agent::network::Shape;
 use crate::agent::policy::{About, Policy};
@@ -13,11 +14,12 @@ use crate::env::Env;
 use crate::episode::{Episode, RolloutError, rollout};
 use crate::evaluate::{EvaluateError, Evaluation, evaluate};
 use crate::event::{Event, Observer, ObserverError, Progress, Seconds};
-use crate::explore::{Choice, Curriculum, Guide};
+use crate::explore::{Choice, Curriculum, Decider, Guide};
 use crate::goal::Stage;
 use crate::input::InputEncoder;
 use crate::relabel::Relabeler;
 use crate::replay::Replay;
+use crate::script::{Decision, Script};
 use crate::seed::{Purpose, Seed};
 use rand::RngExt as _;
 use rand_distr::StandardNormal;
@@ -113,7 +115,7 @@ pub(crate) struct RunState {
     pub(crate) evaluations: u64,
     /// Final success rates of the last two evaluations, the newest last.
     last_success: [f32; 2],
-    encoder: InputEncoder,
+    pub(crate) encoder: InputEncoder,
     curriculum: Curriculum,
     tally: Tally,
     wall_s: f64,
@@ -320,7 +322,7 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
                 return Ok(Finish::Stopped);
             }
             let started = Instant::now();
-            let episodes = self.explore()?;
+            let episodes = self.explore(observer)?;
             let learned = self.learn(episodes);
             if matches!(learned, Err(TrainError::NotFinite { .. })) {
                 self.save_to(folder, observer)?;
@@ -338,7 +340,7 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
     }
 
     /// Plays one episode in every environment, and stores them.
-    fn explore(&mut self) -> Result<u64, TrainError> {
+    fn explore(&mut self, observer: &mut dyn Observer) -> Result<u64, TrainError> {
         let started = Instant::now();
         let RunState { config, about, curriculum, episodes, .. } = &self.state;
         let seed = Seed(config.seed);
@@ -361,9 +363,18 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
         let tolerances = spec.tolerances;
         self.state.env_steps += (count * spec.episode_steps) as u64;
         let (mut acting, mut playing) = (Duration::ZERO, Duration::ZERO);
-        for Played { episode, actors, acting: of_actor, playing: of_all } in played {
+        for Played { seed: env_seed, episode, choices, acting: of_actor, playing: of_all } in played
+        {
             acting += of_actor;
             playing += of_all;
+            if observer.wants(self.state.episodes) {
+                let script = self.script(env_seed, &episode, &choices);
+                observer.on(&Event::Explored(Box::new(script)))?;
+            }
+            let mut actors = Actors::default();
+            for choice in &choices {
+                actors.count(choice.decider);
+            }
             self.state.tally.episode(&episode, actors, about_last(&self.state.about), &tolerances);
             let mut rng = seed.stream(Purpose::Statistics, self.state.episodes);
             let encoder = &mut self.state.encoder;
@@ -378,6 +389,25 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
         seconds.environment += (storing - started).as_secs_f64() - inference;
         seconds.relabel += storing.elapsed().as_secs_f64();
         Ok(count as u64)
+    }
+
+    /// The next training episode for those who look on.
+    fn script(&mut self, seed: u64, episode: &Episode<N>, choices: &[Choice<N>]) -> Script {
+        let critics = self.engine.state().critics;
+        let critic = Critic::new(self.policy.encoder().clone(), &critics[0]);
+        let stages: Vec<Stage<N>> = choices.iter().map(|choice| choice.stage).collect();
+        let values = critic.values(episode, &stages);
+        let decisions = choices.iter().zip(values).map(|(choice, value)| Decision {
+            decider: choice.decider,
+            subtask: choice.stage.index(),
+            value: Some(value),
+        });
+        Script {
+            number: self.state.episodes,
+            seed,
+            actions: episode.actions.clone(),
+            decisions: decisions.collect(),
+        }
     }
 
     /// Makes the updates that belong to the last `episodes` episodes.
@@ -519,15 +549,18 @@ fn about_last<const N: usize>(about: &About) -> Stage<N> {
 
 /// A training episode and what it took.
 struct Played<const N: usize> {
+    /// Seed of its environment.
+    seed: u64,
     episode: Episode<N>,
-    actors: Actors,
+    /// `[T]`.
+    choices: Vec<Choice<N>>,
     /// Choosing actions.
     acting: Duration,
     /// All of it.
     playing: Duration,
 }
 
-/// Plays one episode as eq. 10 has it, and counts who acted.
+/// Plays one episode as eq. 10 has it, and notes who acted.
 fn explore_once<const N: usize>(
     env: &mut impl Env<N>,
     policy: &Policy,
@@ -541,16 +574,17 @@ fn explore_once<const N: usize>(
     let reach_distance = policy.about().reach_distance;
     let mut rng = seed.stream(Purpose::Exploration, episode);
     let mut actor = policy.actor();
-    let mut actors = Actors::default();
+    let mut choices = Vec::with_capacity(env.spec().episode_steps);
     let env_seed = seed.episode(Purpose::Environment, episode);
     let episode = rollout(env, env_seed, |view, action| {
         let asked = Instant::now();
         let stage = Stage::of(view.achieved, view.desired, &tolerances, reach_distance);
         let choice = guide.draw(stage, &mut rng);
-        actors.count(choice);
-        match choice {
-            Choice::Random => action.fill_with(|| rng.random_range(-1.0..=1.0)),
-            Choice::Guide(stage) | Choice::Learner(stage) => {
+        choices.push(choice);
+        let Choice { decider, stage } = choice;
+        match decider {
+            Decider::Random => action.fill_with(|| rng.random_range(-1.0..=1.0)),
+            Decider::Guide | Decider::Learner => {
                 actor.act(stage, view.observation, view.achieved, view.desired, action);
                 let deviation = guide.noise(stage);
                 for action in action {
@@ -561,5 +595,5 @@ fn explore_once<const N: usize>(
         }
         acting += asked.elapsed();
     })?;
-    Ok(Played { episode, actors, acting, playing: started.elapsed() })
+    Ok(Played { seed: env_seed, episode, choices, acting, playing: started.elapsed() })
 }

@@ -5,7 +5,7 @@ use crate::agent::learner::Losses;
 use crate::episode::Episode;
 use crate::evaluate::Evaluation;
 use crate::event::{Acted, Metrics};
-use crate::explore::Choice;
+use crate::explore::Decider;
 use crate::goal::{EncodedGoal, Stage, Tolerances};
 use serde::{Deserialize, Serialize};
 
@@ -41,11 +41,11 @@ pub(super) struct Actors {
 }
 
 impl Actors {
-    pub(super) fn count<const N: usize>(&mut self, choice: Choice<N>) {
-        match choice {
-            Choice::Guide(_) => self.guide += 1,
-            Choice::Learner(_) => self.learner += 1,
-            Choice::Random => self.random += 1,
+    pub(super) fn count(&mut self, decider: Decider) {
+        match decider {
+            Decider::Guide => self.guide += 1,
+            Decider::Learner => self.learner += 1,
+            Decider::Random => self.random += 1,
         }
     }
 }

@@ -30,7 +30,10 @@ use rher_core::goal::Position;
 use variation::{Late, Loose};
 
 /// Duration of an environment step, in seconds: 20 `MuJoCo` steps of 2 ms in the Fetch environments.
-pub(crate) const STEP_SECONDS: f32 = 0.04;
+pub const STEP_SECONDS: f32 = 0.04;
+
+/// Version of the physics engine: another one may move things in other ways.
+pub const RAPIER_VERSION: &str = rapier3d::VERSION;
 
 /// Collision detections in an environment step.
 const SUBSTEPS: u8 = 4;

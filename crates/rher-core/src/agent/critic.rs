@@ -1,0 +1,46 @@
+//! What a trained critic expects, for those who look on.
+
+use super::infer::Inference;
+use super::learner::Trained;
+use super::network::Shape;
+use crate::episode::Episode;
+use crate::goal::{EncodedGoal, Stage};
+use crate::input::InputEncoder;
+
+/// A frozen critic with everything it needs to judge actions.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Critic {
+    encoder: InputEncoder,
+    shape: Shape,
+    parameters: Vec<f32>,
+}
+
+impl Critic {
+    /// The critic as it is now, for inputs of `encoder`.
+    pub fn new(encoder: InputEncoder, trained: &Trained) -> Self {
+        let Trained { shape, online, .. } = trained;
+        Self { encoder, shape: shape.clone(), parameters: online.clone() }
+    }
+
+    /// The return it expects of every action of an episode, each for the sub-task that ends with
+    /// its own of the `stages`: `[T]`.
+    pub fn values<const N: usize>(&self, episode: &Episode<N>, stages: &[Stage<N>]) -> Vec<f32> {
+        let Episode { desired, observations, achieved, actions } = episode;
+        let (observation, input) = (self.encoder.observation(), self.encoder.width());
+        let mut rows = vec![0.0; stages.len() * self.shape.inputs];
+        let steps = rows.chunks_exact_mut(self.shape.inputs).zip(stages).zip(achieved);
+        let seen = observations.chunks_exact(observation);
+        let done = actions.chunks_exact(self.shape.inputs - input);
+        for (((row, stage), now), (seen, done)) in steps.zip(seen.zip(done)) {
+            let (state, action) = row.split_at_mut(input);
+            let goal = EncodedGoal::new(*stage, now, desired);
+            self.encoder.write(seen, now, &goal, state);
+            for (clipped, chosen) in action.iter_mut().zip(done) {
+                *clipped = chosen.clamp(-1.0, 1.0);
+            }
+        }
+        let mut values = vec![0.0; stages.len()];
+        Inference::new(&self.shape).forward(&self.parameters, &rows, &mut values);
+        values
+    }
+}
