@@ -39,6 +39,9 @@ fn help_names_the_verbs_and_every_exit_status() {
       sweep      Train with every combination of settings and seeds, a few runs at a time
       reproduce  Repeat an experiment of the paper
       eval       Measure how often a policy succeeds, with a 95 % confidence interval
+      play       Play episodes of a policy, and record them for Foxglove
+      replay     List the episodes of a recording, or prove that they were real
+      export     Write a dataset of demonstrations, for Minari or LeRobot
       stats      Compare runs: how soon they succeed, how often in the end, and how sure that is
       config     Print every setting of a run as TOML, for `rher train --config`
       bench      Measure the speed of this machine
@@ -65,7 +68,9 @@ fn help_names_the_verbs_and_every_exit_status() {
         8  a checkpoint or policy file is damaged
         9  the environment failed
        10  NaN or infinity in an environment or in a loss
-      130  interrupted by Ctrl-C; the run is saved
+       11  a file is not a recording, or is cut off or damaged
+       12  a recorded episode is not what happens when it is played again
+      130  interrupted by Ctrl-C; the run or the recording is saved
     ");
 }
 
@@ -84,24 +89,25 @@ fn training_help_teaches() {
       -V, --version  Print version
 
     Settings, each winning over those before it:
-          --preset <PRESET>  Settings to start from; `fast` also takes the recipe of the task [default:
-                             fast] [possible values: fast, sample-efficient, paper]
-          --config <FILE>    TOML file with the settings that should differ; `rher config` prints all of
-                             them
-          --set <KEY=VALUE>  One setting, as in `--set agent.discount=0.98`; may be repeated
-          --method <METHOD>  What is trained [default: rher] [possible values: rher, her]
-          --seed <N>         Seed of every random draw
-          --env-steps <N>    End after this many environment steps; evaluations do not count
-          --until <RATE>     End at the second evaluation running with at least this success rate; 0
-                             never does
-          --engine <NAME>    Who does the arithmetic of the networks [possible values: burn, fused]
-          --envs <N>         Step this many environments side by side between updates: part of the
-                             experiment
-          --workers <N>      Threads that do the work; never part of the result [default: one for each
-                             core]
-          --out <DIR>        Run folder to make; by default `runs/<TASK>-<METHOD>-<PRESET>-<SEED>`
-          --resume <DIR>     Go on with the run in this folder, as if it had never stopped
-      -q, --quiet            Tell errors only
+          --preset <PRESET>   Settings to start from; `fast` also takes the recipe of the task [default:
+                              fast] [possible values: fast, sample-efficient, paper]
+          --config <FILE>     TOML file with the settings that should differ; `rher config` prints all
+                              of them
+          --set <KEY=VALUE>   One setting, as in `--set agent.discount=0.98`; may be repeated
+          --method <METHOD>   What is trained [default: rher] [possible values: rher, her]
+          --seed <N>          Seed of every random draw
+          --env-steps <N>     End after this many environment steps; evaluations do not count
+          --until <RATE>      End at the second evaluation running with at least this success rate; 0
+                              never does
+          --engine <NAME>     Who does the arithmetic of the networks [possible values: burn, fused]
+          --envs <N>          Step this many environments side by side between updates: part of the
+                              experiment
+          --workers <N>       Threads that do the work; never part of the result [default: one for each
+                              core]
+          --out <DIR>         Run folder to make; by default `runs/<TASK>-<METHOD>-<PRESET>-<SEED>`
+          --record-every <N>  Record every N-th training episode, the first one included, for Foxglove
+          --resume <DIR>      Go on with the run in this folder, as if it had never stopped
+      -q, --quiet             Tell errors only
     ");
 }
 

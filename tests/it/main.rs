@@ -3,9 +3,14 @@
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
 mod cli;
+mod datasets;
 mod determinism;
 mod learning;
+#[cfg(feature = "live")]
+mod live;
 mod options;
+mod python;
+mod recordings;
 mod reproduce;
 mod resume;
 mod stats;

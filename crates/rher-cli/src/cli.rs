@@ -3,14 +3,14 @@
 use crate::exit_code::Status;
 use crate::printer::Verbosity;
 use clap::builder::{
-    PossibleValuesParser, RangedU64ValueParser, TypedValueParser as _, ValueParser,
+    PathBufValueParser, PossibleValuesParser, RangedU64ValueParser, TypedValueParser, ValueParser,
 };
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use rher_core::agent::config::EngineKind;
 use rher_core::config::{Method, Preset};
 use rher_envs::Task;
 use rher_runs::Asked;
-use std::num::NonZeroUsize;
+use std::num::{NonZeroU64, NonZeroUsize};
 use std::path::PathBuf;
 use std::str::FromStr;
 
@@ -50,6 +50,12 @@ pub(crate) enum Command {
     Reproduce(ReproduceArgs),
     /// Measure how often a policy succeeds, with a 95 % confidence interval
     Eval(EvalArgs),
+    /// Play episodes of a policy, and record them for Foxglove
+    Play(PlayArgs),
+    /// List the episodes of a recording, or prove that they were real
+    Replay(ReplayArgs),
+    /// Write a dataset of demonstrations, for Minari or LeRobot
+    Export(ExportArgs),
     /// Compare runs: how soon they succeed, how often in the end, and how sure that is
     Stats(StatsArgs),
     /// Print every setting of a run as TOML, for `rher train --config`
@@ -95,10 +101,30 @@ pub(crate) struct TrainArgs {
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
 
+    /// Record every N-th training episode, the first one included, for Foxglove
+    ///
+    /// Episodes are as training plays them: explored with noise and chance, by guide and learner.
+    /// They are in `episodes-<FIRST>.mcap` in the run folder, in `episodes-<FIRST>.part.mcap` while
+    /// the run goes on. A policy without exploration is recorded by `rher play`.
+    #[arg(long, value_name = "N")]
+    pub(crate) record_every: Option<NonZeroU64>,
+
+    /// Show episodes and metrics in Foxglove while training, on this WebSocket
+    /// [default: 127.0.0.1:8765]
+    #[cfg(feature = "live")]
+    #[arg(
+        long,
+        value_name = "ADDRESS:PORT",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "127.0.0.1:8765"
+    )]
+    pub(crate) live: Option<std::net::SocketAddr>,
+
     /// Go on with the run in this folder, as if it had never stopped
     ///
-    /// Settings come from the checkpoint; only --workers, --quiet, --engine, --env-steps and
-    /// --until may be given with it.
+    /// Settings come from the checkpoint; only --workers, --quiet, --record-every, --engine,
+    /// --env-steps and --until may be given with it.
     #[arg(
         long,
         value_name = "DIR",
@@ -272,6 +298,92 @@ pub(crate) struct EvalArgs {
     /// Print JSON: one object
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+#[derive(Debug, Args)]
+#[command(after_long_help = "\
+Examples:
+  rher play runs/push-rher-fast-1 --episodes 10
+  rher play runs/push-rher-fast-1 --mcap push.mcap
+
+A recording opens in Foxglove or Lichtblick with no set-up: the scene, the goals, what hindsight will
+ask for (the end of the episode) and what the current stage asks for in the 3D panel, and `/frame` and
+`/action` to plot. `push.layout.json` beside it is a layout to import. Q is told where the path is a run
+folder with a checkpoint: a policy file holds no critic.")]
+pub(crate) struct PlayArgs {
+    /// Run folder, or a policy file
+    pub(crate) path: PathBuf,
+
+    /// Episodes to play
+    #[arg(long, value_name = "N", default_value = "1")]
+    pub(crate) episodes: NonZeroU64,
+
+    /// Which episodes: the same ones for the same number, as in `rher eval`
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = toml_integer(0))]
+    pub(crate) seed: u64,
+
+    /// Record the episodes in this MCAP file
+    #[arg(long, value_name = "FILE", value_parser = recording())]
+    pub(crate) mcap: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+#[command(after_long_help = "\
+Examples:
+  rher replay push.mcap
+  rher replay push.mcap --verify           exit 0 if every episode was real, 12 if one was not
+
+A proof plays every episode again from its seed and its actions, in the environment that the recording
+names, and compares every message bit for bit: poses, observations, rewards, distances, stages. It
+does not cover who decided, and Q, which are the learner's.")]
+pub(crate) struct ReplayArgs {
+    /// Recording of `rher play --mcap` or `rher train --record-every`
+    pub(crate) path: PathBuf,
+
+    /// Play every episode again, and compare
+    #[arg(long)]
+    pub(crate) verify: bool,
+}
+
+#[derive(Debug, Args)]
+#[command(after_long_help = "\
+Examples:
+  rher export runs/push-rher-fast-1 --format minari --out data/rher/push-v0 --episodes 500
+  rher export runs/push-rher-fast-1 --format lerobot --out push-lerobot
+  rher export push.mcap --format minari --out push-minari
+
+A run is played without exploration, as in `rher eval`; a recording is exported as it is.
+Minari: `minari.MinariDataset(\"DIR/data\")`; where DIR is `ROOT/rher/<TASK>-v0` and
+MINARI_DATASETS_PATH is ROOT, also `minari.load_dataset(\"rher/<TASK>-v0\")`. Observations are those
+of a GoalEnv. LeRobot: `LeRobotDataset(\"rher/<TASK>\", root=\"DIR\")`, version 3.0, 25 frames per
+second, without pictures; the goal is `observation.environment_state`.")]
+pub(crate) struct ExportArgs {
+    /// Run folder or policy file to play, or recording
+    pub(crate) path: PathBuf,
+
+    /// For whom
+    #[arg(long, value_enum, value_name = "FORMAT")]
+    pub(crate) format: DatasetFormat,
+
+    /// Folder of the dataset, which must not be there yet
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+
+    /// Episodes to play, or the first ones of a recording [default: 100, or all of a recording]
+    #[arg(long, value_name = "N")]
+    pub(crate) episodes: Option<NonZeroU64>,
+
+    /// Which episodes are played: the same ones for the same number, as in `rher eval`
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = toml_integer(0))]
+    pub(crate) seed: u64,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum DatasetFormat {
+    /// A Minari dataset, in its Parquet storage
+    Minari,
+    /// A LeRobot dataset, version 3.0
+    Lerobot,
 }
 
 #[derive(Debug, Args)]
@@ -571,6 +683,14 @@ fn task() -> ValueParser {
 /// Integers from `least` to the largest that TOML has.
 fn toml_integer(least: u64) -> RangedU64ValueParser {
     clap::value_parser!(u64).range(least..=i64::MAX as u64)
+}
+
+/// Paths of recordings, by whose end Foxglove knows them.
+fn recording() -> impl TypedValueParser<Value = PathBuf> {
+    PathBufValueParser::new().try_map(|path| {
+        let fits = path.extension().is_some_and(|extension| extension == "mcap");
+        fits.then_some(path).ok_or("expected a name that ends in `.mcap`")
+    })
 }
 
 fn rate(text: &str) -> Result<f32, String> {

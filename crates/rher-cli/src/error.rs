@@ -1,5 +1,6 @@
 //! What went wrong, told once: with an exit status, and with a way out where there is one.
 
+use crate::commands::NotReal;
 use crate::exit_code::Status;
 use crate::printer::StdoutError;
 use crate::runs::RunError;
@@ -9,6 +10,8 @@ use rher_core::episode::RolloutError;
 use rher_core::evaluate::EvaluateError;
 use rher_core::event::ObserverError;
 use rher_core::train::TrainError;
+use rher_record::export::ExportError;
+use rher_record::{PlayError, ReadError};
 use rher_runs::settings::{Origin, SettingsError, Source};
 use rher_runs::{MetricsError, RunDirError, WriteError};
 use std::error::Error;
@@ -47,7 +50,16 @@ impl Report {
             .or_else(|| cause.downcast_ref().and_then(Self::of_evaluate))
             .or_else(|| cause.downcast_ref().and_then(Self::of_metrics))
             .or_else(|| cause.downcast_ref().map(Self::of_run))
+            .or_else(|| cause.downcast_ref().and_then(Self::of_recording))
+            .or_else(|| cause.downcast_ref().map(Self::of_play))
+            .or_else(|| cause.downcast_ref().map(Self::of_not_real))
+            .or_else(|| {
+                let of = |rher_record::WriteError { source, .. }: &_| Self::of_write(source);
+                cause.downcast_ref().map(of)
+            })
+            .or_else(|| cause.downcast_ref().map(Self::of_export))
             .or_else(|| cause.downcast_ref().map(foreign))
+            .or_else(|| Self::of_live(cause))
             .or_else(|| cause.downcast_ref().map(|StdoutError(error)| Self::of_write(error)))
             .or_else(|| {
                 cause.downcast_ref().map(|WriteError { source, .. }| Self::of_write(source))
@@ -133,7 +145,12 @@ impl Report {
             )),
             TrainError::Config(_) => Some(Self { status: Status::Usage, hint: None }),
             TrainError::Observer(ObserverError(error)) => {
-                error.downcast_ref().map(|WriteError { source, .. }| Self::of_write(source))
+                let of_ours = |WriteError { source, .. }: &_| Self::of_write(source);
+                let of_recording =
+                    |rher_record::WriteError { source, .. }: &_| Self::of_write(source);
+                let ours = error.downcast_ref().map(of_ours);
+                ours.or_else(|| error.downcast_ref().map(of_recording))
+                    .or_else(|| error.downcast_ref().map(Self::of_play))
             }
             TrainError::TooFewEnvs { .. } | TrainError::Threads { .. } => None,
         }
@@ -222,6 +239,66 @@ impl Report {
                 Self::new(Status::RunFolder, "check that the file can be read")
             }
         }
+    }
+
+    fn of_recording(error: &ReadError) -> Option<Self> {
+        const MADE: &str = "`rher play RUN --mcap FILE` makes a recording";
+        let hint = match error {
+            ReadError::Io { source, .. } if source.kind() == io::ErrorKind::NotFound => MADE.into(),
+            ReadError::Io { .. } => return None,
+            ReadError::NotMcap { .. } | ReadError::Foreign { .. } => MADE.into(),
+            ReadError::CutOff { path, whole: 0 } => {
+                format!("nothing in `{}` can be saved; record it again", path.display())
+            }
+            ReadError::CutOff { path, .. } => format!(
+                "`mcap recover --compression lz4 {} -o whole.mcap` keeps the whole episodes; it \
+                 is Foxglove's tool",
+                path.display()
+            ),
+            ReadError::About { .. } => "read it with the version of `rher` that made it".into(),
+            ReadError::Damaged { .. } | ReadError::Empty { .. } => "record it again".into(),
+        };
+        Some(Self::new(Status::Recording, hint))
+    }
+
+    fn of_play(error: &PlayError) -> Self {
+        match error {
+            PlayError::Rollout(error) => Self::of_rollout(error),
+            PlayError::Misfit { .. } => Self::new(
+                Status::Recording,
+                "the recording is of another task than it says, or of another version of it",
+            ),
+        }
+    }
+
+    fn of_export(error: &ExportError) -> Self {
+        match error {
+            ExportError::Exists { .. } => {
+                Self::new(Status::Unwritable, "choose another folder with --out, or take it away")
+            }
+            ExportError::Io { source, .. } => Self::of_write(source),
+            ExportError::Table { .. } => Self { status: Status::Failure, hint: None },
+        }
+    }
+
+    #[cfg(feature = "live")]
+    fn of_live(cause: &(dyn Error + 'static)) -> Option<Self> {
+        cause.downcast_ref().map(|_: &rher_record::LiveError| {
+            Self::new(Status::Address, "`--live=127.0.0.1:0` takes any port that is free")
+        })
+    }
+
+    #[cfg(not(feature = "live"))]
+    fn of_live(_: &(dyn Error + 'static)) -> Option<Self> {
+        None
+    }
+
+    fn of_not_real(error: &NotReal) -> Self {
+        let hint = error.made_by.as_ref().map(|made_by| {
+            format!("it was made by {made_by}, whose physics may differ: verify it with that")
+        });
+        let hint = hint.unwrap_or_else(|| "someone changed the recording, or the program".into());
+        Self::new(Status::NotReal, hint)
     }
 
     fn of_write(error: &io::Error) -> Self {

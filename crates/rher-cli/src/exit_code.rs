@@ -29,12 +29,19 @@ pub(crate) enum Status {
     Environment = 9,
     /// A number became NaN or infinite.
     NotFinite = 10,
+    /// A file is not a whole recording of this program.
+    Recording = 11,
+    /// A recording is not what happens.
+    NotReal = 12,
+    /// An address cannot be listened on.
+    #[cfg(feature = "live")]
+    Address = 13,
     /// Interrupted, after saving.
     Interrupted = 130,
 }
 
 impl Status {
-    const ALL: [Self; 12] = [
+    const ALL: &[Self] = &[
         Self::Success,
         Self::Failure,
         Self::Usage,
@@ -46,6 +53,10 @@ impl Status {
         Self::Damaged,
         Self::Environment,
         Self::NotFinite,
+        Self::Recording,
+        Self::NotReal,
+        #[cfg(feature = "live")]
+        Self::Address,
         Self::Interrupted,
     ];
 
@@ -62,14 +73,18 @@ impl Status {
             Self::Damaged => "a checkpoint or policy file is damaged",
             Self::Environment => "the environment failed",
             Self::NotFinite => "NaN or infinity in an environment or in a loss",
-            Self::Interrupted => "interrupted by Ctrl-C; the run is saved",
+            Self::Recording => "a file is not a recording, or is cut off or damaged",
+            Self::NotReal => "a recorded episode is not what happens when it is played again",
+            #[cfg(feature = "live")]
+            Self::Address => "an address cannot be listened on",
+            Self::Interrupted => "interrupted by Ctrl-C; the run or the recording is saved",
         }
     }
 
     /// The list of all of them, as `--help` shows it.
     pub(crate) fn table() -> String {
         let mut table = String::from("Exit status:\n");
-        for status in Self::ALL {
+        for &status in Self::ALL {
             let _ = writeln!(table, "{:>5}  {}", status as u8, status.meaning());
         }
         table

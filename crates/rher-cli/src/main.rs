@@ -9,6 +9,7 @@ mod observe;
 mod printer;
 mod runs;
 mod statistics;
+mod trained;
 
 use clap::Parser as _;
 use std::process::ExitCode;

@@ -333,6 +333,13 @@ fn as_dict<'py>(py: Python<'py>, event: &Event) -> PyResult<Bound<'py, PyDict>> 
             let dict = py.import("json")?.call_method1("loads", (json,))?;
             ("evaluated", dict.cast_into::<PyDict>()?)
         }
+        // Nobody asks for these here.
+        Event::Explored(script) => {
+            let dict = PyDict::new(py);
+            dict.set_item("episode", script.number)?;
+            dict.set_item("seed", script.seed)?;
+            ("explored", dict)
+        }
         Event::Saved => ("saved", PyDict::new(py)),
     };
     dict.set_item("kind", kind)?;

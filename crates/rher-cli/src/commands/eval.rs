@@ -1,15 +1,14 @@
 //! `rher eval`: how often a policy succeeds.
 
-use super::{made_with, table, text, threads};
+use super::{table, text, threads};
 use crate::cli::EvalArgs;
-use crate::error::ForeignTask;
 use crate::observe::percent;
 use crate::printer::Printer;
+use crate::trained::Trained;
 use rher_core::agent::policy::Policy;
-use rher_core::checkpoint::POLICY_FILE;
 use rher_core::config::{EvaluationConfig, TestPolicy};
 use rher_core::evaluate::{Evaluation, evaluate};
-use rher_envs::{EnvVisitor, Simulated, Task};
+use rher_envs::{EnvVisitor, Simulated};
 use serde::Serialize;
 
 /// What is printed.
@@ -31,31 +30,24 @@ struct EvalReport {
 
 pub(crate) fn eval(args: &EvalArgs, printer: Printer) -> anyhow::Result<()> {
     let EvalArgs { path, episodes, seed, workers, json } = args;
-    let (policy, run) = if path.is_dir() {
-        (Policy::load(&path.join(POLICY_FILE))?, rher_runs::read_config(path))
-    } else {
-        (Policy::load(path)?, None)
-    };
-    let name = policy.about().task.clone();
-    let task: Task = name.parse().map_err(|_| ForeignTask { name: name.clone() })?;
+    let trained = Trained::load(path)?;
     let episodes = episodes.get();
-    let options = made_with(&policy.about().variant, task)?;
     let evaluate = Evaluate {
-        policy: &policy,
+        policy: &trained.policy,
         config: EvaluationConfig {
             every_episodes: 1,
             episodes,
             subtask_episodes: episodes,
             env_seed: *seed,
         },
-        test_policy: run.map_or(TestPolicy::Final, |run| run.config.exploration.test_policy),
+        test_policy: trained.test_policy(),
         workers: threads(*workers),
     };
     let Evaluation { success, success_final, final_distance, true_final_distance } =
-        task.visit_with(&options, evaluate)??;
+        trained.task.visit_with(&trained.options, evaluate)??;
     let ci95 = wilson(success_final, episodes);
     let report = EvalReport {
-        task: name,
+        task: trained.task.name().to_owned(),
         success_final,
         ci95,
         success,

@@ -3,11 +3,16 @@
 mod bench;
 mod config;
 mod eval;
+mod export;
+mod play;
+mod replay;
 mod reproduce;
 mod stats;
 mod sweep;
 mod tasks;
 mod train;
+
+pub(crate) use replay::NotReal;
 
 use crate::cli::{BenchCommand, Command};
 use crate::exit_code::Status;
@@ -17,6 +22,8 @@ use comfy_table::Table;
 use comfy_table::presets::NOTHING;
 use rher_envs::{Options, Task};
 use std::num::NonZeroUsize;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Does what `command` says.
 pub(crate) fn run(command: Command, printer: Printer) -> anyhow::Result<Status> {
@@ -26,6 +33,9 @@ pub(crate) fn run(command: Command, printer: Printer) -> anyhow::Result<Status> 
         Command::Sweep(args) => return sweep::sweep(&args, printer),
         Command::Reproduce(args) => return reproduce::reproduce(&args, printer),
         Command::Eval(args) => eval::eval(&args, printer)?,
+        Command::Export(args) => return export::export(&args, printer),
+        Command::Play(args) => return play::play(&args, printer),
+        Command::Replay(args) => replay::replay(&args, printer)?,
         Command::Stats(args) => stats::stats(&args, printer)?,
         Command::Config(args) => config::config(&args, printer)?,
         Command::Bench(BenchCommand::Env(args)) => bench::env::bench_env(&args, printer)?,
@@ -35,7 +45,7 @@ pub(crate) fn run(command: Command, printer: Printer) -> anyhow::Result<Status> 
 }
 
 /// The options that an environment of `task` was made with, from what runs and policies remember.
-fn made_with(variant: &str, task: Task) -> anyhow::Result<Options> {
+pub(crate) fn made_with(variant: &str, task: Task) -> anyhow::Result<Options> {
     if variant.is_empty() {
         return Ok(Options::of(task.options()));
     }
@@ -46,6 +56,23 @@ fn made_with(variant: &str, task: Task) -> anyhow::Result<Options> {
 fn threads(asked: Option<NonZeroUsize>) -> usize {
     let cores = || std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
     asked.map_or_else(cores, NonZeroUsize::get)
+}
+
+/// A flag that the first Ctrl-C sets, telling what is done then; the second one ends the program.
+fn stop_on_interrupt(
+    tell: impl Fn(&str) + Send + 'static,
+    line: &'static str,
+) -> anyhow::Result<Arc<AtomicBool>> {
+    let stop = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&stop);
+    ctrlc::set_handler(move || {
+        if flag.swap(true, Ordering::Relaxed) {
+            std::process::exit(Status::Interrupted as i32);
+        }
+        tell(line);
+    })
+    .context("cannot listen to Ctrl-C")?;
+    Ok(stop)
 }
 
 /// An empty table without lines, as `awk` likes it.

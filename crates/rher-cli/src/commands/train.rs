@@ -1,34 +1,53 @@
 //! `rher train`: a new run, or one that goes on.
 
-use super::{made_with, threads};
+use super::{made_with, stop_on_interrupt, threads};
 use crate::cli::{EngineName, SettingsArgs, TrainArgs};
 use crate::error::ForeignTask;
 use crate::exit_code::Status;
-use crate::observe::{ProgressView, Watch, duration, percent, thousands};
+use crate::observe::{ProgressView, Recorder, Watch, duration, percent, thousands};
 use crate::printer::Printer;
-use anyhow::Context as _;
 use rher_core::checkpoint;
 use rher_core::config::TrainConfig;
 use rher_core::event::{Metrics, Progress, Seconds};
 use rher_core::train::{Finish, Trainer};
 use rher_envs::{EnvVisitor, Simulated, Task};
+use rher_record::{About, Source};
+#[cfg(feature = "live")]
+use rher_record::{Live, Player};
 use rher_runs::{MetricsFile, RunDir, Settings, settings};
+use std::num::NonZeroU64;
 use std::path::Path;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+
+const STOPPING: &str =
+    "finishing the episode; Ctrl-C again leaves at once, back to the last checkpoint";
 
 pub(crate) fn train(args: &TrainArgs, printer: Printer) -> anyhow::Result<Status> {
-    let TrainArgs { task, settings, workers, out, resume, quiet: _ } = args;
-    let workers = threads(*workers);
+    let TrainArgs { task, settings, workers, out, resume, record_every, .. } = args;
+    let how = How {
+        workers: threads(*workers),
+        record_every: *record_every,
+        #[cfg(feature = "live")]
+        live: args.live,
+        printer,
+    };
     match (resume, task) {
-        (Some(path), _) => go_on(path, settings, workers, printer),
+        (Some(path), _) => go_on(path, settings, how),
         (None, Some(task)) => {
             let settings = settings::resolve(*task, &settings.into())?;
             let path = out.clone().unwrap_or_else(|| RunDir::default_path(&settings.config));
-            begin(*task, settings, &path, workers, printer)
+            begin(*task, settings, &path, how)
         }
         (None, None) => unreachable!("clap asks for a task where there is nothing to resume"),
     }
+}
+
+/// What is no part of the experiment.
+struct How {
+    workers: usize,
+    record_every: Option<NonZeroU64>,
+    #[cfg(feature = "live")]
+    live: Option<std::net::SocketAddr>,
+    printer: Printer,
 }
 
 /// Starts a run in a folder of its own.
@@ -36,20 +55,14 @@ fn begin(
     task: Task,
     Settings { config, options }: Settings,
     path: &Path,
-    workers: usize,
-    printer: Printer,
+    how: How,
 ) -> anyhow::Result<Status> {
     let folder = RunDir::create(path)?;
-    task.visit_with(&options, Session { folder, config, start: Start::New, workers, printer })?
+    task.visit_with(&options, Session { folder, config, start: Start::New, how })?
 }
 
 /// Goes on with the run in a folder.
-fn go_on(
-    path: &Path,
-    settings: &SettingsArgs,
-    workers: usize,
-    printer: Printer,
-) -> anyhow::Result<Status> {
+fn go_on(path: &Path, settings: &SettingsArgs, how: How) -> anyhow::Result<Status> {
     let folder = RunDir::open(path)?;
     let config = checkpoint::read_config(path)?;
     let name = config.task.clone();
@@ -57,7 +70,7 @@ fn go_on(
     let SettingsArgs { env_steps, until, engine, .. } = *settings;
     let start = Start::Resumed { env_steps, until, engine };
     let options = made_with(&checkpoint::read_variant(path)?, task)?;
-    task.visit_with(&options, Session { folder, config, start, workers, printer })?
+    task.visit_with(&options, Session { folder, config, start, how })?
 }
 
 /// Training on a task that is known at run time.
@@ -65,8 +78,7 @@ struct Session {
     folder: RunDir,
     config: TrainConfig,
     start: Start,
-    workers: usize,
-    printer: Printer,
+    how: How,
 }
 
 enum Start {
@@ -83,7 +95,8 @@ impl EnvVisitor for Session {
     type Output = anyhow::Result<Status>;
 
     fn visit<const N: usize, E: Simulated<N>>(self, build: impl Fn() -> E + Sync) -> Self::Output {
-        let Self { folder, config, start, workers, printer } = self;
+        let Self { folder, config, start, how } = self;
+        let How { workers, record_every, printer, .. } = how;
         let envs: Vec<E> = (0..config.envs.max(workers)).map(|_| build()).collect();
         let made_with = envs[0].options().clone();
         let (trainer, metrics) = match start {
@@ -111,43 +124,62 @@ impl EnvVisitor for Session {
             }
         };
         let (config, options) = (trainer.config().clone(), made_with);
-        folder.write_config(&Settings { config, options })?;
-        run(trainer, metrics, &folder, printer)
+        let settings = Settings { config, options };
+        folder.write_config(&settings)?;
+        let recorder = match record_every {
+            Some(every) => {
+                let (env, TrainConfig { seed, relay, .. }) = (build(), &settings.config);
+                let mut about =
+                    About::new(env.spec(), Source::Training, *seed, relay.reach_distance);
+                about.config = settings::to_toml(&settings)?;
+                Some(Recorder::new(every, &folder, about, env))
+            }
+            None => None,
+        };
+        #[cfg(feature = "live")]
+        let live = match how.live {
+            Some(address) => {
+                let player = Player::new(build(), settings.config.relay.reach_distance);
+                let live = Live::start(address, player)?;
+                let address = std::net::SocketAddr::new(address.ip(), live.port());
+                printer.note(format_args!("live: in Foxglove, open the connection ws://{address}"));
+                Some(live)
+            }
+            None => None,
+        };
+        let progress = ProgressView::new(printer, trainer.config(), trainer.progress());
+        let watch = Watch {
+            metrics,
+            progress,
+            recorder,
+            #[cfg(feature = "live")]
+            live,
+            last: None,
+        };
+        run(trainer, watch, &folder, printer)
     }
 }
 
 fn run<const N: usize, E: Simulated<N>>(
     mut trainer: Trainer<N, E>,
-    metrics: MetricsFile,
+    mut watch: Watch<E, N>,
     folder: &RunDir,
     printer: Printer,
 ) -> anyhow::Result<Status> {
     printer.note(format_args!("run folder: {}", folder.path().display()));
-    let progress = ProgressView::new(printer, trainer.config(), trainer.progress());
-    let stop = stop_on_interrupt(progress.teller())?;
-    let mut watch = Watch { metrics, progress, last: None };
+    let stop = stop_on_interrupt(watch.progress.teller(), STOPPING)?;
     let finish = trainer.run(Some(folder.path()), &mut watch, &stop);
     watch.progress.finish();
+    let recorded = watch.recorder.map(Recorder::finish).transpose();
     let finish = finish?;
+    if let Some((episodes, path)) = recorded?.flatten() {
+        printer.note(format_args!("recorded {episodes} episodes in `{}`", path.display()));
+    }
     printer.note(summary(finish, trainer.progress(), watch.last.as_ref(), folder));
     Ok(match finish {
         Finish::Solved | Finish::StepsSpent => Status::Success,
         Finish::Stopped => Status::Interrupted,
     })
-}
-
-/// A flag that the first Ctrl-C sets; the second one ends the program.
-fn stop_on_interrupt(tell: impl Fn(&str) + Send + 'static) -> anyhow::Result<Arc<AtomicBool>> {
-    let stop = Arc::new(AtomicBool::new(false));
-    let flag = Arc::clone(&stop);
-    ctrlc::set_handler(move || {
-        if flag.swap(true, Ordering::Relaxed) {
-            std::process::exit(Status::Interrupted as i32);
-        }
-        tell("finishing the episode; Ctrl-C again leaves at once, back to the last checkpoint");
-    })
-    .context("cannot listen to Ctrl-C")?;
-    Ok(stop)
 }
 
 fn already_finished(finish: Finish, folder: &RunDir, progress: Progress) -> String {

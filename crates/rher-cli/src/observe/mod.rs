@@ -1,21 +1,27 @@
 //! Those who watch a run.
 
 mod progress;
+mod recorder;
 
 pub(crate) use progress::{ProgressView, duration, percent, thousands};
+pub(crate) use recorder::Recorder;
 
 use rher_core::event::{Event, Metrics, Observer, ObserverError};
+use rher_envs::Simulated;
 use rher_runs::MetricsFile;
 
-/// Writes metrics down and shows progress.
-pub(crate) struct Watch {
+/// Writes metrics down, shows progress and records episodes.
+pub(crate) struct Watch<E, const N: usize> {
     pub(crate) metrics: MetricsFile,
     pub(crate) progress: ProgressView,
+    pub(crate) recorder: Option<Recorder<E, N>>,
+    #[cfg(feature = "live")]
+    pub(crate) live: Option<rher_record::Live>,
     /// The last evaluation that was seen.
     pub(crate) last: Option<Metrics>,
 }
 
-impl Observer for Watch {
+impl<const N: usize, E: Simulated<N>> Observer for Watch<E, N> {
     fn on(&mut self, event: &Event) -> Result<(), ObserverError> {
         match event {
             Event::Progress(progress) => self.progress.advance(*progress),
@@ -23,10 +29,33 @@ impl Observer for Watch {
                 let written = self.metrics.append(metrics);
                 written.map_err(|error| ObserverError(error.into()))?;
                 self.progress.evaluated(metrics);
+                #[cfg(feature = "live")]
+                if let Some(live) = &self.live {
+                    live.tell(metrics);
+                }
                 self.last = Some(metrics.as_ref().clone());
+            }
+            Event::Explored(script) => {
+                if let Some(recorder) = &mut self.recorder
+                    && recorder.wants(script.number)
+                {
+                    recorder.record(script)?;
+                }
+                #[cfg(feature = "live")]
+                if let Some(live) = &self.live {
+                    live.show(script);
+                }
             }
             Event::Saved => {}
         }
         Ok(())
+    }
+
+    fn wants(&self, episode: u64) -> bool {
+        #[cfg(feature = "live")]
+        if self.live.as_ref().is_some_and(rher_record::Live::is_idle) {
+            return true;
+        }
+        self.recorder.as_ref().is_some_and(|recorder| recorder.wants(episode))
     }
 }

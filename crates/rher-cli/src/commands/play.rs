@@ -1,0 +1,112 @@
+//! `rher play`: what a policy does, episode by episode, and recordings of it.
+
+use super::{stop_on_interrupt, table, text};
+use crate::cli::PlayArgs;
+use crate::exit_code::Status;
+use crate::printer::Printer;
+use crate::trained::Trained;
+use rher_core::evaluate::{Played, final_distance, play as play_episode};
+use rher_core::goal::{EncodedGoal, Stage, Tolerances};
+use rher_core::seed::Seed;
+use rher_envs::{EnvVisitor, Simulated};
+use rher_record::{About, Player, RecordingFile, Source, layout_beside};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+pub(crate) fn play(args: &PlayArgs, printer: Printer) -> anyhow::Result<Status> {
+    let trained = Trained::load(&args.path)?;
+    let (task, options) = (trained.task, trained.options.clone());
+    task.visit_with(&options, Play { trained, args, printer })?
+}
+
+/// Episodes of a task that is known at run time.
+struct Play<'a> {
+    trained: Trained,
+    args: &'a PlayArgs,
+    printer: Printer,
+}
+
+impl EnvVisitor for Play<'_> {
+    type Output = anyhow::Result<Status>;
+
+    fn visit<const N: usize, E: Simulated<N>>(self, build: impl Fn() -> E + Sync) -> Self::Output {
+        let Self { trained, args, printer } = self;
+        let env = build();
+        trained.policy.check(env.spec())?;
+        let reach_distance = trained.policy.about().reach_distance;
+        let mut about = About::new(env.spec(), Source::Policy, args.seed, reach_distance);
+        trained.describe(&mut about)?;
+        let recording = args.mcap.as_ref().map(|path| RecordingFile::create(path, &about));
+        let mut recording = recording.transpose()?;
+        let mut player = Player::new(build(), reach_distance);
+        let stop = stop_on_interrupt(move |line| printer.note(line), "finishing the episode")?;
+        let critic = trained.critic();
+        let mut show = |number, played: &Played<N>| -> anyhow::Result<()> {
+            if let Some(recording) = &mut recording {
+                let script = played.script(number, critic.as_ref());
+                recording.add(&player.tell(&script, recording.next())?)?;
+            }
+            Ok(())
+        };
+        let lines = play_all(env, &trained, args, &mut show, &stop);
+        match (recording, &lines) {
+            (Some(recording), Ok(_)) => {
+                let path = recording.finish()?;
+                let layout = layout_beside(&path);
+                printer.note(format_args!(
+                    "recorded in `{}`; `{}` is a layout to import in Foxglove",
+                    path.display(),
+                    layout.display()
+                ));
+            }
+            (Some(recording), Err(_)) => recording.discard()?,
+            (None, _) => {}
+        }
+        printer.data(&lines?)?;
+        Ok(if stop.load(Ordering::Relaxed) { Status::Interrupted } else { Status::Success })
+    }
+}
+
+/// Plays every episode that was asked for, and shows it; what became of each, as a table.
+fn play_all<const N: usize, E: Simulated<N>>(
+    mut env: E,
+    trained: &Trained,
+    args: &PlayArgs,
+    show: &mut impl FnMut(u64, &Played<N>) -> anyhow::Result<()>,
+    stop: &AtomicBool,
+) -> anyhow::Result<String> {
+    let policy = &trained.policy;
+    let last = policy.about().subtasks - 1;
+    let stage = Stage::<N>::from_index(last).unwrap_or(Stage::FIRST);
+    let tolerances = env.spec().tolerances;
+    let mut lines = table();
+    lines.set_header(["episode", "success", "distance", "steps to success"]);
+    for number in 0..args.episodes.get() {
+        if stop.load(Ordering::Relaxed) {
+            break;
+        }
+        let (test_policy, seed) = (trained.test_policy(), Seed(args.seed));
+        let played = play_episode(&mut env, policy, stage, test_policy, seed, number)?;
+        show(number, &played)?;
+        let [success, steps] = success(&played, &tolerances);
+        lines.add_row([number.to_string(), success, distance(&played), steps]);
+    }
+    Ok(text(&lines))
+}
+
+/// Whether an episode ended well, and from which step on all was well.
+fn success<const N: usize>(played: &Played<N>, tolerances: &Tolerances<N>) -> [String; 2] {
+    let Played { stage, episode, .. } = played;
+    let solved = episode.achieved.iter().map(|achieved| {
+        EncodedGoal::new(*stage, achieved, &episode.desired).is_met(achieved, tolerances)
+    });
+    let solved: Vec<bool> = solved.collect();
+    match solved.iter().rposition(|solved| !solved) {
+        Some(unsolved) if unsolved + 1 == solved.len() => ["no".to_owned(), "–".to_owned()],
+        unsolved => ["yes".to_owned(), unsolved.map_or(0, |step| step + 1).to_string()],
+    }
+}
+
+fn distance<const N: usize>(Played { stage, episode, .. }: &Played<N>) -> String {
+    let end = &episode.achieved[episode.achieved.len() - 1];
+    format!("{:.1} cm", 100.0 * final_distance(*stage, end, &episode.desired))
+}

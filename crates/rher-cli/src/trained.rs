@@ -1,0 +1,75 @@
+//! A trained policy and all that is known about it, from a run folder or a policy file.
+
+use crate::commands::made_with;
+use crate::error::ForeignTask;
+use rher_core::agent::critic::Critic;
+use rher_core::agent::policy::{Policy, PolicyError};
+use rher_core::checkpoint::{self, POLICY_FILE};
+use rher_core::config::TestPolicy;
+use rher_envs::{Options, Task};
+use rher_record::About;
+use rher_runs::{Settings, settings};
+use sha2::{Digest as _, Sha256};
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+/// A policy that acts in the environments of a task.
+pub(crate) struct Trained {
+    pub(crate) policy: Policy,
+    pub(crate) task: Task,
+    /// What its environments were made with.
+    pub(crate) options: Options,
+    file: PathBuf,
+    folder: Option<PathBuf>,
+    run: Option<Settings>,
+}
+
+impl Trained {
+    /// Loads a run folder or a policy file.
+    pub(crate) fn load(path: &Path) -> anyhow::Result<Self> {
+        let folder = path.is_dir().then_some(path);
+        let file = folder.map_or_else(|| path.to_owned(), |folder| folder.join(POLICY_FILE));
+        let policy = Policy::load(&file)?;
+        let name = policy.about().task.clone();
+        let task: Task = name.parse().map_err(|_| ForeignTask { name })?;
+        let options = made_with(&policy.about().variant, task)?;
+        let run = folder.and_then(rher_runs::read_config);
+        let folder = folder.map(Path::to_owned);
+        Ok(Self { policy, task, options, file, folder, run })
+    }
+
+    /// What the learner of the run expects of actions.
+    ///
+    /// A policy file alone has no critic, and a run whose checkpoint was deleted or is of another
+    /// version still has a good policy.
+    pub(crate) fn critic(&self) -> Option<Critic> {
+        checkpoint::read_critic(self.folder.as_ref()?).ok()
+    }
+
+    /// Which policy stands for the task.
+    pub(crate) fn test_policy(&self) -> TestPolicy {
+        self.run.as_ref().map_or(TestPolicy::Final, |run| run.config.exploration.test_policy)
+    }
+
+    /// Adds to what a recording says of itself where its policy comes from.
+    pub(crate) fn describe(&self, about: &mut About) -> anyhow::Result<()> {
+        let bytes = std::fs::read(&self.file).map_err(|source| PolicyError::Io {
+            verb: "read",
+            path: self.file.clone(),
+            source,
+        })?;
+        about.policy_sha256 = sha256(&bytes);
+        if let Some(run) = &self.run {
+            about.config = settings::to_toml(run)?;
+        }
+        Ok(())
+    }
+}
+
+/// As `sha256sum` prints it.
+fn sha256(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().fold(String::new(), |mut text, byte| {
+        let _ = write!(text, "{byte:02x}");
+        text
+    })
+}
