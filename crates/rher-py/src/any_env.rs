@@ -3,6 +3,7 @@
 use nalgebra::Point3;
 use rher_core::env::{EnvError, EnvSpec, Start};
 use rher_core::goal::{Achieved, Desired, EncodedGoal, Position};
+use rher_envs::thing::Thing;
 use rher_envs::{
     EnvVisitor, OptionError, Options, Simulated, Task, achieved_goal, last_stage, reward_of_goals,
 };
@@ -54,6 +55,9 @@ pub(crate) trait AnyEnv: Send {
 
     /// Goes on from a snapshot; false if it is of an environment of another kind.
     fn restore(&mut self, snapshot: &Snapshot) -> bool;
+
+    /// Everything that can be seen, marks for the goals last, and how many of them are marks.
+    fn things(&self) -> (Vec<Thing>, usize);
 
     /// Rewards for rows of achieved and desired goals.
     fn rewards(&self, achieved: &[f32], desired: &[f32]) -> Vec<f32>;
@@ -153,6 +157,12 @@ impl<E: Simulated<N>, const N: usize> AnyEnv for Shown<E, N> {
             self.frame.clone_from(frame);
         }
         restored
+    }
+
+    fn things(&self) -> (Vec<Thing>, usize) {
+        let marks = self.env.goals(&self.desired);
+        let count = marks.len();
+        ([self.env.things(), marks].concat(), count)
     }
 
     fn rewards(&self, achieved: &[f32], desired: &[f32]) -> Vec<f32> {

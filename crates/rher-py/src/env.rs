@@ -5,14 +5,16 @@ use crate::arrays::{doubles, read};
 use crate::error::{InputError, StateError, told, unlocked};
 use crate::state::{Record, State};
 use numpy::{
-    AllowTypeChange, PyArray1, PyArrayDyn, PyArrayLikeDyn, PyArrayMethods as _,
+    AllowTypeChange, PyArray1, PyArray3, PyArrayDyn, PyArrayLikeDyn, PyArrayMethods as _,
     PyUntypedArrayMethods as _,
 };
 use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple, PyType};
 use rher_core::seed::{Purpose, Seed};
+use rher_envs::render::{Camera, Renderer};
 use rher_envs::{Options, Task};
+use std::num::NonZeroU16;
 use std::sync::{Mutex, MutexGuard, TryLockError};
 
 /// Names of the tasks, the simplest first.
@@ -62,6 +64,8 @@ struct Slot {
     record: Option<Record>,
     /// The action, kept to save an allocation.
     action: Vec<f32>,
+    /// Made when it is first needed.
+    renderer: Option<Renderer>,
 }
 
 impl Slot {
@@ -83,6 +87,7 @@ impl Env {
             episodes: 0,
             record: None,
             action: Vec::with_capacity(widths.action),
+            renderer: None,
         };
         Ok(Self { task, options, widths, slot: Mutex::new(slot) })
     }
@@ -247,6 +252,28 @@ impl Env {
         guard.record = Some(state.record.clone());
         let frame = guard.open()?.frame();
         (observation(py, frame)?, info(py, frame)?).into_pyobject(py)
+    }
+
+    /// A picture of this moment, `[height, width, 3]`; its size is that of the first one.
+    fn render<'py>(
+        &self,
+        py: Python<'py>,
+        width: NonZeroU16,
+        height: NonZeroU16,
+    ) -> PyResult<Bound<'py, PyArray3<u8>>> {
+        let mut guard = self.lock()?;
+        let Slot { env, record, renderer, .. } = &mut *guard;
+        let Some(env) = env else { return Err(StateError::new_err("the environment is closed")) };
+        if record.is_none() {
+            return Err(StateError::new_err("there is nothing to see before the first reset"));
+        }
+        let renderer = renderer.get_or_insert_with(|| Renderer::new([width, height]));
+        let (things, marks) = env.things();
+        let image = unlocked(py, || {
+            let camera = Camera::above_table(&things[..things.len() - marks]);
+            renderer.draw(&camera, &things)
+        })?;
+        PyArray1::from_vec(py, image.rgb).reshape([image.height, image.width, 3])
     }
 
     /// Frees the environment; it cannot be used any more.

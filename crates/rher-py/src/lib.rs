@@ -12,6 +12,7 @@ mod arrays;
 mod env;
 mod error;
 mod foreign;
+mod hindsight;
 mod places;
 mod policy;
 mod state;
@@ -25,6 +26,8 @@ use pyo3::prelude::*;
 mod _rher {
     #[pymodule_export]
     use super::env::{Env, tasks};
+    #[pymodule_export]
+    use super::hindsight::Hindsight;
     #[pymodule_export]
     use super::policy::Policy;
     #[pymodule_export]

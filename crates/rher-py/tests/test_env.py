@@ -33,7 +33,7 @@ def test_gymnasium_and_sb3_have_nothing_to_complain_of(name):
     checker = pytest.importorskip("stable_baselines3.common.env_checker")
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        check_env(gymnasium.make(name).unwrapped)
+        check_env(gymnasium.make(name, render_mode="rgb_array").unwrapped)
         checker.check_env(gymnasium.make(name).unwrapped)
 
 
@@ -161,6 +161,20 @@ def test_options_reach_the_simulation():
     assert moved[0] > 1e-3 > moved[1]
 
 
+@pytest.mark.parametrize("name", rher.IDS)
+def test_pictures_show_what_happens(name):
+    env = gymnasium.make(name, render_mode="rgb_array", width=120, height=90)
+    with pytest.raises(rher.StateError, match="nothing to see"):
+        env.unwrapped.render()
+    env.reset(seed=0)
+    first = env.render()
+    assert first.shape == (90, 120, 3) and first.dtype == np.uint8
+    assert len(np.unique(first.reshape(-1, 3), axis=0)) > 20
+    play(env, 3)
+    assert not np.array_equal(env.render(), first)
+    assert gymnasium.make(name).unwrapped.render() is None
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -169,6 +183,7 @@ def test_options_reach_the_simulation():
         ({"options": {"nose": 1}}, "task.nose"),
         ({"options": {"nose": print}}, "not a number"),
         ({"render_mode": "human"}, "render_mode"),
+        ({"width": 0}, "width"),
     ],
 )
 def test_wrong_options_are_named(arguments, message):

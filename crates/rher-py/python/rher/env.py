@@ -84,9 +84,12 @@ class TaskEnv(gymnasium.Env):
     :param randomize: what is drawn anew for every episode, as ``{"friction": (0.5, 1.5)}``:
         ``friction``, ``mass``, ``size`` (factors), ``sensor_noise`` (metres) and ``action_delay``
         (steps).
+    :param render_mode: ``"rgb_array"`` if pictures are wanted; they need no graphics card.
+    :param width: of pictures, in pixels.
+    :param height: of pictures, in pixels.
     """
 
-    metadata = {"render_modes": []}
+    metadata = {"render_modes": ["rgb_array"], "render_fps": 25}
 
     def __init__(
         self,
@@ -95,10 +98,16 @@ class TaskEnv(gymnasium.Env):
         options: dict[str, Any] | None = None,
         randomize: dict[str, Any] | None = None,
         render_mode: str | None = None,
+        width: int = 480,
+        height: int = 480,
     ) -> None:
-        if render_mode is not None:
-            raise InputError(f"render_mode is {render_mode!r}, but there are none yet")
+        if render_mode not in (None, *self.metadata["render_modes"]):
+            raise InputError(f"render_mode is {render_mode!r}, expected 'rgb_array'")
+        for name, pixels in [("width", width), ("height", height)]:
+            if not isinstance(pixels, (int, np.integer)) or not 1 <= pixels <= 4096:
+                raise InputError(f"{name} is {pixels!r}, expected 1 to 4096 pixels")
         self.render_mode = render_mode
+        self.width, self.height = int(width), int(height)
         self._env = _rher.Env(task, options_as_json(options, randomize))
         self.observation_space, self.action_space = spaces_of(self._env)
 
@@ -182,8 +191,14 @@ class TaskEnv(gymnasium.Env):
         """
         return self._env.set_state(state)
 
-    def render(self) -> None:
-        """Nothing: there is no ``render_mode`` yet."""
+    def render(self) -> np.ndarray | None:
+        """A picture ``(height, width, 3)`` of 8-bit numbers, if ``render_mode`` asks for them.
+
+        Goals are marks in it.
+        """
+        if self.render_mode is None:
+            return None
+        return self._env.render(self.width, self.height)
 
     def close(self) -> None:
         """Frees the simulation."""

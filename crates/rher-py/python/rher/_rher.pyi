@@ -1,0 +1,160 @@
+"""The half of the package that is written in Rust; use the package itself."""
+
+import os
+from collections.abc import Callable, Sequence
+from typing import Any, final
+
+import numpy as np
+import numpy.typing as npt
+
+_Observation = dict[str, npt.NDArray[np.float64]]
+_Info = dict[str, Any]
+_Path = str | os.PathLike[str]
+
+def tasks() -> list[str]:
+    """Names of the tasks, the simplest first."""
+
+def run_settings(folder: _Path) -> str:
+    """The settings of a run, as JSON."""
+
+@final
+class State:
+    """A moment of an episode, to return to; it does not change, and can be pickled."""
+
+@final
+class Env:
+    """An environment of one task."""
+
+    def __new__(cls, task: str, options: str) -> Env: ...
+    @property
+    def task(self) -> str: ...
+    @property
+    def options(self) -> str: ...
+    @property
+    def observation_width(self) -> int: ...
+    @property
+    def action_width(self) -> int: ...
+    @property
+    def objects(self) -> int: ...
+    @property
+    def episode_steps(self) -> int: ...
+    @property
+    def tolerance(self) -> float: ...
+    @property
+    def is_seeded(self) -> bool: ...
+    def reset(self, seed: int | None = None) -> tuple[_Observation, _Info]: ...
+    def step(
+        self, action: npt.ArrayLike
+    ) -> tuple[_Observation, float, bool, bool, _Info]: ...
+    def compute_reward(
+        self, achieved: npt.ArrayLike, desired: npt.ArrayLike
+    ) -> npt.NDArray[np.float32]: ...
+    def get_state(self) -> State: ...
+    def set_state(self, state: State) -> tuple[_Observation, _Info]: ...
+    def render(self, width: int, height: int) -> npt.NDArray[np.uint8]: ...
+    def close(self) -> None: ...
+
+@final
+class VectorEnv:
+    """Environments of one task that are stepped together, without Python's lock."""
+
+    def __new__(
+        cls, task: str, options: str, envs: int, threads: int, auto_reset: str, copy: bool
+    ) -> VectorEnv: ...
+    @property
+    def is_seeded(self) -> bool: ...
+    def reset(self, seeds: Sequence[int] | None = None) -> tuple[_Observation, _Info]: ...
+    def reset_where(self, mask: Sequence[bool]) -> tuple[_Observation, _Info]: ...
+    def step(
+        self, actions: npt.ArrayLike
+    ) -> tuple[
+        _Observation,
+        npt.NDArray[np.float64],
+        npt.NDArray[np.bool_],
+        npt.NDArray[np.bool_],
+        _Info,
+    ]: ...
+    def last(self) -> tuple[_Observation, _Info]: ...
+    def close(self) -> None: ...
+
+@final
+class Policy:
+    """A trained policy, with everything it needs to act.
+
+    It acts in environments with observations and goals like those that it was trained in: a policy
+    of ``push`` in ``FetchPush-v4``, too.
+    """
+
+    @classmethod
+    def load(cls, path: _Path) -> Policy:
+        """Reads a policy file, the ``policy.safetensors`` of a run."""
+
+    def save(self, path: _Path) -> None:
+        """Writes a policy file, whole or not at all."""
+
+    @property
+    def task(self) -> str:
+        """Name of the environment that it was trained in."""
+
+    @property
+    def objects(self) -> int:
+        """How many objects its goals have."""
+
+    @property
+    def observation_width(self) -> int:
+        """Numbers in an observation."""
+
+    @property
+    def action_width(self) -> int:
+        """Numbers in an action."""
+
+    def __call__(
+        self,
+        observation: npt.ArrayLike | dict[str, npt.ArrayLike],
+        goal: npt.ArrayLike | None = None,
+    ) -> npt.NDArray[np.float32]:
+        """The action for an observation, or the actions for a batch of them.
+
+        :param observation: the dictionary that the environment returns; or its ``observation``
+            alone, ``(observation_width,)`` or ``(batch, observation_width)``.
+        :param goal: where the objects should be, ``(3 * objects,)`` or ``(batch, 3 * objects)``, in
+            metres; the dictionary's ``desired_goal`` if it is not given.
+        :return: numbers within -1 and 1, ``(action_width,)`` or ``(batch, action_width)``.
+        """
+
+@final
+class Trainer:
+    """A run in a folder of its own."""
+
+    @classmethod
+    def of_task(
+        cls, task: str, arguments: str, out: _Path | None, workers: int | None
+    ) -> Trainer: ...
+    @classmethod
+    def of_env(
+        cls, env: Any, about: str, arguments: str, out: _Path | None, workers: int | None
+    ) -> Trainer: ...
+    @classmethod
+    def resumed(
+        cls, folder: _Path, foreign: tuple[Any, str] | None, workers: int | None
+    ) -> Trainer: ...
+    @property
+    def folder(self) -> os.PathLike[str]: ...
+    @property
+    def env_steps(self) -> int: ...
+    @property
+    def policy(self) -> Policy: ...
+    def learn(
+        self,
+        env_steps: int | None = None,
+        until: float | None = None,
+        on_event: Callable[[dict[str, Any]], object] | None = None,
+    ) -> str: ...
+    def close(self) -> None: ...
+
+@final
+class Hindsight:
+    """A replay of random episodes, for the comparison with other packages."""
+
+    def __new__(cls, task: str, episodes: int) -> Hindsight: ...
+    def sample(self, batches: int, rows: int) -> int: ...

@@ -1,0 +1,47 @@
+"""The comparison, shortened: that it runs, what it writes, and its bars at a distance."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("gymnasium_robotics")
+pytest.importorskip("stable_baselines3")
+
+from rher import compare  # noqa: E402
+
+DATA = Path(__file__).parent / "data"
+
+
+def measured(out, *arguments):
+    compare.main(["--quick", "--out", str(out), *arguments])
+    table = (out / "compare.md").read_text()
+    assert "no results" in table
+    return json.loads((out / "compare.json").read_text()), table
+
+
+def test_environments_and_relabelling_are_faster_than_their_neighbours(out):
+    results, table = measured(out, "--parts", "single", "vector", "relabelling")
+    # A busy machine must not fail this: half of what is published.
+    assert results["single"]["ratio"] > 12
+    assert results["vector"]["ratio"] > 17
+    assert results["relabelling"]["ratio"] > 10
+    assert table.count(" × |") == 4 and "of two processes" in table
+
+
+def test_policies_of_our_tasks_work_in_fetch(out):
+    arguments = ["--parts", "transfer"]
+    for task in ("push", "pick"):
+        arguments += [f"--{task}", str(DATA / f"{task}.safetensors")]
+    results, _ = measured(out, *arguments)
+    solved = [policy["solved"] for policy in results["transfer"]["policies"]]
+    assert solved[0]["FetchPush-v4"] >= 16 and solved[1]["FetchPickAndPlace-v4"] >= 14
+
+
+def test_learners_are_timed_and_stopped(out):
+    results, table = measured(
+        out, "--parts", "learning", "--runs", "rher-in-rher", "sb3-in-fetch", "--budget", "5"
+    )
+    runs = results["learning"]["runs"]
+    assert all(run["spent_s"] < 60 for run in runs.values())
+    assert table.count("not reached") == 2
