@@ -5,6 +5,7 @@
 mod cli;
 mod datasets;
 mod determinism;
+mod figures;
 mod learning;
 #[cfg(feature = "live")]
 mod live;

@@ -5,7 +5,7 @@ use insta::assert_snapshot;
 use serde_json::{Value, json};
 
 /// Makes a run folder with one evaluation every 2,500 steps and 10 seconds.
-fn run(rher: &Rher, name: &str, method: &str, seed: u64, success: &[f32]) {
+pub(crate) fn run(rher: &Rher, name: &str, method: &str, seed: u64, success: &[f32]) {
     std::fs::create_dir(rher.path(name)).unwrap();
     let config = format!(
         "task = \"push\"\npreset = \"fast\"\nseed = {seed}\n[relay]\nmethod = \"{method}\"\n"
@@ -23,7 +23,7 @@ fn run(rher: &Rher, name: &str, method: &str, seed: u64, success: &[f32]) {
     rher.write(&format!("{name}/metrics.jsonl"), lines.collect::<String>());
 }
 
-fn three_and_one() -> Rher {
+pub(crate) fn three_and_one() -> Rher {
     let rher = Rher::new();
     run(&rher, "a1", "rher", 1, &[0.1, 0.6, 0.95, 0.97]);
     run(&rher, "a2", "rher", 2, &[0.2, 0.5, 0.85, 0.99]);

@@ -58,6 +58,10 @@ pub(crate) enum Command {
     Export(ExportArgs),
     /// Compare runs: how soon they succeed, how often in the end, and how sure that is
     Stats(StatsArgs),
+    /// Draw learning curves, beside those that the authors published
+    Plot(PlotArgs),
+    /// Write one page about runs: curves, tables, an episode, settings
+    Report(ReportArgs),
     /// Print every setting of a run as TOML, for `rher train --config`
     Config(ConfigArgs),
     /// Measure the speed of this machine
@@ -414,6 +418,70 @@ pub(crate) struct StatsArgs {
 #[derive(Debug, Args)]
 #[command(after_long_help = "\
 Examples:
+  rher plot runs/push-rher-fast-*          three seeds, one line with a band
+  rher plot runs/* --x time -o curves.png  against the wall clock
+
+A row of panels for each task: its success, and that of each sub-task before the last. Runs of the
+same method and preset are one line, with a 95 % bootstrap band where there are several. A run that
+has ended keeps its last success. An SVG file takes its letters from the fonts of whoever shows it;
+a PNG file needs none.")]
+pub(crate) struct PlotArgs {
+    /// Run folders, each with `config.toml` and `metrics.jsonl`
+    #[arg(required = true, value_name = "RUN")]
+    pub(crate) runs: Vec<PathBuf>,
+
+    /// Picture to write; its name ends in .svg or .png
+    #[arg(short, long, value_name = "FILE", default_value = "curves.svg", value_parser = picture)]
+    pub(crate) out: PathBuf,
+
+    /// The horizontal axis
+    #[arg(long, value_enum, default_value_t = Clock::Steps)]
+    pub(crate) x: Clock,
+
+    /// What a line shows of several runs
+    #[arg(long, value_enum, default_value_t = Measure::Mean)]
+    pub(crate) measure: Measure,
+}
+
+#[derive(Debug, Args)]
+#[command(after_long_help = "\
+Examples:
+  rher report runs/push-rher-fast-1
+  rher report runs/* -o results.html
+
+The page is one file that opens in any browser, without a network. It has curves, the tables of
+`rher stats`, an episode of the first run of each group, and every setting.")]
+pub(crate) struct ReportArgs {
+    /// Run folders, each with `config.toml` and `metrics.jsonl`
+    #[arg(required = true, value_name = "RUN")]
+    pub(crate) runs: Vec<PathBuf>,
+
+    /// Page to write
+    #[arg(short, long, value_name = "FILE", default_value = "report.html")]
+    pub(crate) out: PathBuf,
+}
+
+/// What curves are drawn against.
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
+pub(crate) enum Clock {
+    /// Environment steps of training
+    Steps,
+    /// Wall clock
+    Time,
+}
+
+/// What is shown of several runs.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum Measure {
+    /// The mean
+    Mean,
+    /// The interquartile mean
+    Iqm,
+}
+
+#[derive(Debug, Args)]
+#[command(after_long_help = "\
+Examples:
   rher config push > run.toml              every setting, ready to be changed
   rher train push --config run.toml")]
 pub(crate) struct ConfigArgs {
@@ -691,6 +759,14 @@ fn recording() -> impl TypedValueParser<Value = PathBuf> {
         let fits = path.extension().is_some_and(|extension| extension == "mcap");
         fits.then_some(path).ok_or("expected a name that ends in `.mcap`")
     })
+}
+
+fn picture(name: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(name);
+    match path.extension().and_then(|extension| extension.to_str()) {
+        Some("svg" | "png") => Ok(path),
+        _ => Err("expected a name that ends in .svg or .png".to_owned()),
+    }
 }
 
 fn rate(text: &str) -> Result<f32, String> {

@@ -5,10 +5,10 @@ use crate::commands::{table, text};
 use crate::exit_code::Status;
 use crate::observe::{percent, thousands};
 use crate::printer::Printer;
+use crate::runs::{Evaluation, read_evaluations};
 use anyhow::Context as _;
-use rher_core::event::Metrics;
 use rher_envs::Task;
-use rher_runs::{RunDir, WriteError, read_config, read_metrics, settings};
+use rher_runs::{RunDir, WriteError, read_config, settings};
 use serde::Serialize;
 use std::ffi::OsString;
 use std::fmt;
@@ -138,20 +138,20 @@ fn is_interrupted(status: ExitStatus) -> bool {
 /// How far a run came.
 struct Found {
     until: f32,
-    last: Option<Metrics>,
-    before: Option<Metrics>,
+    last: Option<Evaluation>,
+    before: Option<Evaluation>,
 }
 
 impl Found {
     fn read(folder: &Path) -> Self {
         let until = read_config(folder).map_or(0.0, |run| run.config.until);
-        let mut metrics = read_metrics(folder);
-        Self { until, last: metrics.pop(), before: metrics.pop() }
+        let mut evaluations = read_evaluations(folder).unwrap_or_default();
+        Self { until, last: evaluations.pop(), before: evaluations.pop() }
     }
 
     fn is_solved(&self) -> bool {
-        let good = |metrics: &Option<Metrics>| {
-            metrics.as_ref().is_some_and(|metrics| metrics.success_final >= self.until)
+        let good = |evaluation: &Option<Evaluation>| {
+            evaluation.as_ref().is_some_and(|evaluation| evaluation.reaches(self.until.into()))
         };
         self.until > 0.0 && good(&self.last) && good(&self.before)
     }
@@ -161,7 +161,7 @@ impl fmt::Display for Found {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Some(last) = &self.last else { return f.write_str("nothing measured") };
         let word = if self.is_solved() { "solved" } else { "success" };
-        let success = percent(last.success_final.into());
+        let success = percent(last.success_final);
         write!(f, "{word} {success} after {} steps", thousands(last.env_steps))
     }
 }
@@ -188,7 +188,7 @@ fn summarise<'a>(jobs: &'a [Job], out: &Path) -> Vec<Cell<'a>> {
             let solved = || found.iter().filter(|found| found.is_solved());
             let last = |found: &Found| found.last.clone();
             let measured: Vec<_> = found.iter().filter_map(last).collect();
-            let success = measured.iter().map(|metrics| f64::from(metrics.success_final));
+            let success = measured.iter().map(|evaluation| evaluation.success_final);
             let seconds = solved().filter_map(last).map(|metrics| metrics.wall_s as u64);
             Cell {
                 settings: &jobs[0].cell,

@@ -1,12 +1,19 @@
 //! The `rher` program: train, evaluate and measure relay hindsight policies.
 
+mod animation;
+mod chart;
 mod cli;
 mod commands;
+mod curves;
 mod error;
 mod exit_code;
+mod figure;
+mod film;
 mod jobs;
 mod observe;
+mod output;
 mod printer;
+mod published;
 mod runs;
 mod statistics;
 mod trained;

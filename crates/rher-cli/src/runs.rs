@@ -31,16 +31,26 @@ pub(crate) struct Group {
 pub(crate) struct Evaluation {
     pub(crate) env_steps: u64,
     pub(crate) wall_s: f64,
+    /// By sub-task; `None` where it is not trained.
+    pub(crate) success: Vec<Option<f64>>,
     pub(crate) success_final: f64,
 }
 
 /// What is read of the settings, whatever version of the program wrote them.
 #[derive(Deserialize)]
 struct Settings {
-    task: String,
+    task: Task,
     preset: String,
     seed: u64,
     relay: Relay,
+}
+
+/// Settings of a task have a section of their own; earlier programs wrote the name alone.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Task {
+    Section { name: String },
+    Name(String),
 }
 
 #[derive(Deserialize)]
@@ -77,15 +87,8 @@ impl Run {
         for key in ["seed", "env_steps", "until"] {
             settings.remove(key);
         }
-        let (path, text) = read(folder, METRICS_FILE)?;
-        let evaluations = parse(&text).map_err(|(line, problem)| RunError::Metrics {
-            path: path.clone(),
-            line,
-            problem,
-        })?;
-        if evaluations.is_empty() {
-            return Err(RunError::NoMetrics { path });
-        }
+        let evaluations = read_evaluations(folder)?;
+        let (Task::Section { name: task } | Task::Name(task)) = task;
         let group = Group { task, method: relay.method, preset };
         Ok(Self { group, seed, settings, evaluations })
     }
@@ -93,6 +96,15 @@ impl Run {
     /// The last evaluation.
     pub(crate) fn last(&self) -> &Evaluation {
         &self.evaluations[self.evaluations.len() - 1]
+    }
+}
+
+impl Evaluation {
+    /// Whether the whole task succeeded at least this often.
+    pub(crate) fn reaches(&self, rate: f64) -> bool {
+        // Rates are written with the digits of a single-precision number.
+        const ROUNDING: f64 = 1e-6;
+        self.success_final >= rate - ROUNDING
     }
 }
 
@@ -117,6 +129,16 @@ pub(crate) fn read_groups(folders: &[PathBuf]) -> Result<Vec<(Group, Vec<Run>)>,
         }
     }
     Ok(groups)
+}
+
+/// The evaluations of a run, by time; at least one.
+pub(crate) fn read_evaluations(folder: &Path) -> Result<Vec<Evaluation>, RunError> {
+    let (path, text) = read(folder, METRICS_FILE)?;
+    match parse(&text) {
+        Ok(evaluations) if evaluations.is_empty() => Err(RunError::NoMetrics { path }),
+        Ok(evaluations) => Ok(evaluations),
+        Err((line, problem)) => Err(RunError::Metrics { path, line, problem }),
+    }
 }
 
 fn read(folder: &Path, file: &'static str) -> Result<(PathBuf, String), RunError> {

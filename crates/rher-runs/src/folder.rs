@@ -3,7 +3,6 @@
 use crate::settings::{self, Settings, SettingsError};
 use rher_core::checkpoint::{self, CheckpointError, POLICY_FILE};
 use rher_core::config::TrainConfig;
-use rher_core::event::Metrics;
 use std::fs::{File, TryLockError};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
@@ -93,12 +92,6 @@ impl RunDir {
 /// The settings that were kept with a run, if they can be read.
 pub fn read_config(folder: &Path) -> Option<Settings> {
     settings::from_toml(&std::fs::read_to_string(folder.join(CONFIG_FILE)).ok()?)
-}
-
-/// The metrics of a run, as far as they can be read.
-pub fn read_metrics(folder: &Path) -> Vec<Metrics> {
-    let text = std::fs::read_to_string(folder.join(METRICS_FILE)).unwrap_or_default();
-    text.lines().map_while(|line| serde_json::from_str(line).ok()).collect()
 }
 
 /// The first checkpoint is written before the first step, so without one nothing was done.

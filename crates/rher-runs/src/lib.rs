@@ -4,8 +4,6 @@ mod folder;
 mod metrics;
 pub mod settings;
 
-pub use folder::{
-    CONFIG_FILE, METRICS_FILE, RunDir, RunDirError, WriteError, read_config, read_metrics,
-};
+pub use folder::{CONFIG_FILE, METRICS_FILE, RunDir, RunDirError, WriteError, read_config};
 pub use metrics::{MetricsError, MetricsFile};
 pub use settings::{Asked, Settings, SettingsError};

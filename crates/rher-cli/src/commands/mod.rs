@@ -5,7 +5,9 @@ mod config;
 mod eval;
 mod export;
 mod play;
+mod plot;
 mod replay;
+mod report;
 mod reproduce;
 mod stats;
 mod sweep;
@@ -37,6 +39,8 @@ pub(crate) fn run(command: Command, printer: Printer) -> anyhow::Result<Status> 
         Command::Play(args) => return play::play(&args, printer),
         Command::Replay(args) => replay::replay(&args, printer)?,
         Command::Stats(args) => stats::stats(&args, printer)?,
+        Command::Plot(args) => plot::plot(&args, printer)?,
+        Command::Report(args) => report::report(&args, printer)?,
         Command::Config(args) => config::config(&args, printer)?,
         Command::Bench(BenchCommand::Env(args)) => bench::env::bench_env(&args, printer)?,
         Command::Bench(BenchCommand::Update(args)) => bench::update::bench_update(&args, printer)?,

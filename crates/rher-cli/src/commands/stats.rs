@@ -16,12 +16,16 @@ use serde::Serialize;
 /// Success rates whose first time is told.
 const RATES: [f64; 4] = [0.5, 0.8, 0.9, 0.95];
 
+/// What the tables do not say.
+pub(super) const NOTE: &str = "In brackets: 95 % bootstrap intervals over runs; a single run has \
+                               none. Times are of the median run.";
+
 /// The rate by which two groups are compared: training ends there unless told otherwise.
 const SOLVED: f64 = 0.95;
 
 /// What is printed.
 #[derive(Serialize)]
-struct Stats {
+pub(super) struct Stats {
     groups: Vec<GroupStats>,
     comparisons: Vec<Comparison>,
 }
@@ -87,22 +91,28 @@ pub(crate) fn stats(args: &StatsArgs, printer: Printer) -> anyhow::Result<()> {
             ));
         }
     }
-    let stats = Stats {
-        groups: groups.iter().map(|(group, runs)| GroupStats::of(group, runs)).collect(),
-        comparisons: compare_all(&groups),
-    };
+    let stats = Stats::of(&groups);
     let output = if args.json {
         serde_json::to_string_pretty(&stats)?
     } else if args.markdown {
-        describe(&stats, |table| {
+        describe(&stats, |mut table| {
             table.load_style(ASCII_MARKDOWN);
             table.to_string() + "\n"
         })
     } else {
-        describe(&stats, |table| text(table))
+        describe(&stats, |table| text(&table))
     };
     printer.data(&output)?;
     Ok(())
+}
+
+impl Stats {
+    pub(super) fn of(groups: &[(Group, Vec<Run>)]) -> Self {
+        Self {
+            groups: groups.iter().map(|(group, runs)| GroupStats::of(group, runs)).collect(),
+            comparisons: compare_all(groups),
+        }
+    }
 }
 
 impl GroupStats {
@@ -190,11 +200,9 @@ fn wall_s(evaluation: &Evaluation) -> f64 {
 
 /// When each run first had a success rate of at least `rate`.
 fn times(runs: &[Run], rate: f64, clock: impl Fn(&Evaluation) -> f64) -> Vec<Time> {
-    // Rates are written with the digits of a single-precision number.
-    const ROUNDING: f64 = 1e-6;
     runs.iter()
         .map(|run| {
-            let reached = |evaluation: &&Evaluation| evaluation.success_final >= rate - ROUNDING;
+            let reached = |evaluation: &&Evaluation| evaluation.reaches(rate);
             match run.evaluations.iter().find(reached) {
                 Some(evaluation) => Time::At(clock(evaluation)),
                 None => Time::NotBy(clock(run.last())),
@@ -230,7 +238,16 @@ fn compare((of, first): &(Group, Vec<Run>), (over, second): &(Group, Vec<Run>)) 
     }
 }
 
-fn describe(stats: &Stats, show: impl Fn(&mut Table) -> String) -> String {
+fn describe(stats: &Stats, show: impl Fn(Table) -> String) -> String {
+    let sections = sections(stats).into_iter();
+    let mut texts: Vec<String> =
+        sections.map(|(title, table)| format!("{title}\n\n{}", show(table))).collect();
+    texts.push(format!("{NOTE}\n"));
+    texts.join("\n")
+}
+
+/// Titles and tables.
+pub(super) fn sections(stats: &Stats) -> Vec<(&'static str, Table)> {
     let mut success = table();
     success.set_header(["task", "method", "preset", "runs", "final success", "interquartile mean"]);
     let columns = RATES.map(percent);
@@ -260,9 +277,9 @@ fn describe(stats: &Stats, show: impl Fn(&mut Table) -> String) -> String {
         seconds.add_row(row(&|reached| reached.wall_s.show(duration)));
     }
     let mut sections = vec![
-        format!("Success at the last evaluation\n\n{}", show(&mut success)),
-        format!("Environment steps to the first evaluation of\n\n{}", show(&mut steps)),
-        format!("Wall clock to the first evaluation of\n\n{}", show(&mut seconds)),
+        ("Success at the last evaluation", success),
+        ("Environment steps to the first evaluation of", steps),
+        ("Wall clock to the first evaluation of", seconds),
     ];
     if !stats.comparisons.is_empty() {
         let mut comparisons = table();
@@ -279,12 +296,7 @@ fn describe(stats: &Stats, show: impl Fn(&mut Table) -> String) -> String {
                 [success_final, env_steps, wall_s].map(|estimate| estimate.show(percent));
             comparisons.add_row([task, of, over, &success_final, &env_steps, &wall_s]);
         }
-        sections.push(format!("Probability of improvement\n\n{}", show(&mut comparisons)));
+        sections.push(("Probability of improvement", comparisons));
     }
-    sections.push(
-        "In brackets: 95 % bootstrap intervals over runs; a single run has none. Times are of the \
-         median run.\n"
-            .to_owned(),
-    );
-    sections.join("\n")
+    sections
 }

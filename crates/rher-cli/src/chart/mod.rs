@@ -1,0 +1,116 @@
+//! Line charts: panels of curves, laid out as lines, areas and words that two writers draw.
+
+mod panel;
+mod raster;
+mod svg;
+
+pub(crate) use panel::{Axis, Line, Panel};
+pub(crate) use svg::escaped;
+
+/// A flat picture; places are in pixels from the upper left.
+#[derive(Clone, Debug)]
+pub(crate) struct Drawing {
+    pub(crate) width: f32,
+    pub(crate) height: f32,
+    marks: Vec<Mark>,
+}
+
+/// Red, green and blue.
+pub(crate) type Ink = [u8; 3];
+
+const BLACK: Ink = [0x22, 0x22, 0x22];
+const GREY: Ink = [0x77, 0x77, 0x77];
+const PALE: Ink = [0xe4, 0xe4, 0xe4];
+
+#[derive(Clone, Debug)]
+enum Mark {
+    Stroke {
+        points: Vec<[f32; 2]>,
+        ink: Ink,
+        width: f32,
+        dashed: bool,
+    },
+    /// Closed, and seen through.
+    Area {
+        points: Vec<[f32; 2]>,
+        ink: Ink,
+    },
+    Words {
+        text: String,
+        place: [f32; 2],
+        anchor: Anchor,
+        ink: Ink,
+        bold: bool,
+    },
+}
+
+/// Which end of words is at their place; vertically it is their base line.
+#[derive(Clone, Copy, Debug)]
+enum Anchor {
+    Start,
+    Middle,
+    End,
+}
+
+/// Opacity of an area.
+const AREA_OPACITY: f32 = 0.18;
+
+/// Height of letters, in pixels, and how wide each is taken to be.
+const LETTER: f32 = 12.0;
+const LETTER_WIDTH: f32 = 7.2;
+
+/// On and off, in pixels.
+const DASH: [f32; 2] = [5.0, 4.0];
+
+/// Around and between panels, in pixels.
+const MARGIN: f32 = 12.0;
+
+/// Height of a line of the legend, in pixels.
+const LEGEND: f32 = 22.0;
+
+impl Drawing {
+    /// Rows of panels, of these widths and this height in pixels, over a legend of every line.
+    pub(crate) fn of(rows: &[Vec<Panel>], widths: &[f32], height: f32) -> Self {
+        let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
+        let width = MARGIN + widths[..columns].iter().map(|width| width + MARGIN).sum::<f32>();
+        let mut drawing = Self { width, height: MARGIN, marks: Vec::new() };
+        for row in rows {
+            let mut left = MARGIN;
+            for (panel, width) in row.iter().zip(widths) {
+                panel.draw([left, drawing.height], [*width, height], &mut drawing.marks);
+                left += width + MARGIN;
+            }
+            drawing.height += height + MARGIN;
+        }
+        drawing.add_legend(rows);
+        drawing
+    }
+
+    fn add_legend(&mut self, rows: &[Vec<Panel>]) {
+        const SAMPLE: f32 = 26.0;
+        let mut known: Vec<&str> = Vec::new();
+        let mut left = 2.0 * MARGIN;
+        for line in rows.iter().flatten().flat_map(|panel| &panel.lines) {
+            if known.contains(&line.name.as_str()) {
+                continue;
+            }
+            known.push(&line.name);
+            let wide = SAMPLE + LETTER_WIDTH * (line.name.chars().count() + 4) as f32;
+            if left + wide > self.width && left > 2.0 * MARGIN {
+                left = 2.0 * MARGIN;
+                self.height += LEGEND;
+            }
+            let middle = self.height + LEGEND / 2.0;
+            self.marks.push(line.stroke(vec![[left, middle], [left + SAMPLE, middle]]));
+            self.marks.push(Mark::Words {
+                text: line.name.clone(),
+                place: [left + SAMPLE + 6.0, middle + LETTER / 3.0],
+                anchor: Anchor::Start,
+                ink: BLACK,
+                bold: false,
+            });
+            left += wide;
+        }
+        self.height += LEGEND + MARGIN;
+    }
+}

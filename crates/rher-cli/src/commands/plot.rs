@@ -1,0 +1,23 @@
+//! `rher plot`: learning curves.
+
+use crate::cli::PlotArgs;
+use crate::figure::Figure;
+use crate::output;
+use crate::printer::Printer;
+use crate::runs::read_groups;
+use anyhow::Context as _;
+
+pub(crate) fn plot(args: &PlotArgs, printer: Printer) -> anyhow::Result<()> {
+    let groups = read_groups(&args.runs)?;
+    let drawing = Figure { clock: args.x, measure: args.measure }.draw(&groups);
+    let file = if args.out.extension().is_some_and(|extension| extension == "png") {
+        let image =
+            drawing.image().context("too many tasks for one picture: expected fewer runs")?;
+        image.png()?
+    } else {
+        drawing.svg().into_bytes()
+    };
+    output::write(&args.out, &file)?;
+    printer.note(format_args!("curves  {}", args.out.display()));
+    Ok(())
+}

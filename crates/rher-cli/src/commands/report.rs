@@ -1,0 +1,193 @@
+//! `rher report`: what runs came to, on one page that needs no other file.
+
+use super::stats::{NOTE, Stats, sections};
+use crate::animation::Animation;
+use crate::chart::escaped;
+use crate::cli::{Clock, Measure, ReportArgs};
+use crate::figure::Figure;
+use crate::film::{Film, SIZE};
+use crate::observe::{duration, percent, thousands};
+use crate::output;
+use crate::printer::Printer;
+use crate::runs::{Group, Run, RunError, read_groups};
+use crate::trained::Trained;
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use comfy_table::Table;
+use rher_core::checkpoint::POLICY_FILE;
+use rher_runs::CONFIG_FILE;
+use std::fmt::{self, Write as _};
+use std::path::{Path, PathBuf};
+
+const STYLE: &str = "\
+body { font: 15px/1.5 sans-serif; color: #222; max-width: 1100px; margin: 2em auto; padding: 0 1em }
+h1 { font-size: 1.6em } h2 { font-size: 1.2em; margin-top: 2em }
+table { border-collapse: collapse; margin: .5em 0 1.5em } caption { text-align: left; color: #555 }
+th, td { text-align: left; padding: .2em .9em .2em 0; border-bottom: 1px solid #ddd }
+figure { display: inline-block; margin: 0 1em 1em 0 } figcaption { color: #555 }
+svg, img { max-width: 100%; height: auto } pre { background: #f5f5f5; padding: .8em; overflow: auto }";
+
+pub(crate) fn report(args: &ReportArgs, printer: Printer) -> anyhow::Result<()> {
+    let groups = read_groups(&args.runs)?;
+    let mut page = Page::default();
+    let titles: Vec<String> = groups.iter().map(|(group, _)| group.to_string()).collect();
+    page.element("h1", &format!("Runs of {}", titles.join(", ")));
+
+    page.element("h2", "Success");
+    for clock in [Clock::Steps, Clock::Time] {
+        page.0 += &Figure { clock, measure: Measure::Mean }.draw(&groups).svg();
+    }
+    page.element(
+        "p",
+        "Lines are means over runs; bands are 95 % bootstrap intervals. Dashed: what the authors \
+         of the method published, where they did.",
+    );
+    for (title, table) in sections(&Stats::of(&groups)) {
+        page.table(title, &table);
+    }
+    page.element("p", NOTE);
+
+    page.element("h2", "An episode");
+    for (group, _) in &groups {
+        match of_group(group, &args.runs)?.into_iter().find(|folder| has_policy(folder)) {
+            Some(folder) => {
+                let caption =
+                    format!("{group}: the first evaluation episode of {}", folder.display());
+                page.picture(&caption, "image/gif", &film(folder)?);
+            }
+            None => page.element("p", &format!("No run of {group} has a policy to show.")),
+        }
+    }
+
+    page.element("h2", "Runs");
+    page.table("Where each of them ended", &listing(&args.runs)?);
+
+    page.element("h2", "Settings");
+    for (group, _) in &groups {
+        for folder in of_group(group, &args.runs)?.into_iter().take(1) {
+            let path = folder.join(CONFIG_FILE);
+            let settings = std::fs::read_to_string(&path);
+            let settings = settings.map_err(|source| RunError::Read { path, source })?;
+            page.details(&format!("{group}, as in {}", folder.display()), &settings);
+        }
+    }
+
+    page.element("h2", "This page");
+    page.table("Program and machine that made it", &machine());
+    output::write(&args.out, page.finish(&titles.join(", ")).as_bytes())?;
+    printer.note(format_args!("report  {}", args.out.display()));
+    Ok(())
+}
+
+/// The folders whose runs are of a group.
+fn of_group<'a>(group: &Group, folders: &'a [PathBuf]) -> Result<Vec<&'a Path>, RunError> {
+    let mut same = Vec::new();
+    for folder in folders {
+        if Run::read(folder)?.group == *group {
+            same.push(folder.as_path());
+        }
+    }
+    Ok(same)
+}
+
+fn has_policy(folder: &Path) -> bool {
+    folder.join(POLICY_FILE).exists()
+}
+
+/// The first evaluation episode of a run's policy, as a GIF file.
+fn film(folder: &Path) -> anyhow::Result<Vec<u8>> {
+    let trained = Trained::load(folder)?;
+    let film = Film {
+        policy: &trained.policy,
+        test_policy: trained.test_policy(),
+        episodes: 1,
+        size: SIZE,
+    };
+    let episodes = trained.task.visit_with(&trained.options, film)??;
+    let animation = Animation::of(&episodes.concat())?;
+    Ok(animation.map(Animation::finish).transpose()?.unwrap_or_default())
+}
+
+fn listing(folders: &[PathBuf]) -> anyhow::Result<Table> {
+    let mut listing = Table::new();
+    listing.set_header(["folder", "task", "seed", "evaluations", "steps", "wall clock", "success"]);
+    for folder in folders {
+        let run = Run::read(folder)?;
+        let last = run.last();
+        listing.add_row([
+            folder.display().to_string(),
+            run.group.to_string(),
+            run.seed.to_string(),
+            run.evaluations.len().to_string(),
+            thousands(last.env_steps),
+            duration(last.wall_s),
+            percent(last.success_final),
+        ]);
+    }
+    Ok(listing)
+}
+
+/// What is known of this machine.
+fn machine() -> Table {
+    let cores = std::thread::available_parallelism().map_or(1, std::num::NonZeroUsize::get);
+    let cpu = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let cpu = cpu.lines().find_map(|line| line.strip_prefix("model name")?.split_once(": "));
+    let mut machine = Table::new();
+    machine.set_header(["what", "which"]);
+    machine.add_row(["program", concat!("rher ", env!("CARGO_PKG_VERSION"))]);
+    machine.add_row(["system", &format!("{} {}", std::env::consts::OS, std::env::consts::ARCH)]);
+    machine.add_row(["processor", cpu.map_or("unknown", |(_, name)| name)]);
+    machine.add_row(["cores", &cores.to_string()]);
+    machine
+}
+
+/// The body of a page.
+#[derive(Default)]
+struct Page(String);
+
+impl Page {
+    fn add(&mut self, markup: fmt::Arguments<'_>) {
+        // A string takes whatever is written.
+        let _ = self.0.write_fmt(markup);
+    }
+
+    fn element(&mut self, name: &str, text: &str) {
+        self.add(format_args!("<{name}>{}</{name}>\n", escaped(text)));
+    }
+
+    fn table(&mut self, title: &str, table: &Table) {
+        let row = |row: &comfy_table::Row, name: &str| {
+            let cell = |cell: &comfy_table::Cell| {
+                format!("<{name}>{}</{name}>", escaped(cell.content().trim()))
+            };
+            format!("<tr>{}</tr>\n", row.cell_iter().map(cell).collect::<String>())
+        };
+        let head = table.header().map_or_else(String::new, |header| row(header, "th"));
+        let body: String = table.row_iter().map(|line| row(line, "td")).collect();
+        let caption = escaped(title);
+        self.add(format_args!("<table><caption>{caption}</caption>\n{head}{body}</table>\n"));
+    }
+
+    fn picture(&mut self, caption: &str, kind: &str, file: &[u8]) {
+        let (data, caption) = (STANDARD.encode(file), escaped(caption));
+        self.add(format_args!(
+            "<figure><img alt=\"{caption}\" src=\"data:{kind};base64,{data}\">\
+             <figcaption>{caption}</figcaption></figure>\n"
+        ));
+    }
+
+    fn details(&mut self, title: &str, text: &str) {
+        let (title, text) = (escaped(title), escaped(text));
+        self.add(format_args!("<details><summary>{title}</summary><pre>{text}</pre></details>\n"));
+    }
+
+    /// The whole file; its icon is empty, so that no browser asks for one.
+    fn finish(self, title: &str) -> String {
+        let (Self(body), title) = (self, escaped(title));
+        format!(
+            "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+             <title>rher: {title}</title>\n<link rel=\"icon\" href=\"data:,\">\n\
+             <style>\n{STYLE}\n</style>\n</head>\n<body>\n{body}</body>\n</html>\n"
+        )
+    }
+}

@@ -1,0 +1,189 @@
+//! `rher plot` and `rher report`: what they draw, and that a browser shows it.
+
+use crate::stats::{run, three_and_one};
+use crate::support::{Rher, TINY};
+use insta::assert_snapshot;
+use std::io::{Cursor, Write as _};
+use std::process::Command;
+
+/// Blue of the first line.
+const FIRST_INK: [u8; 3] = [0x00, 0x72, 0xb2];
+
+fn read(rher: &Rher, name: &str) -> String {
+    std::fs::read_to_string(rher.path(name)).unwrap()
+}
+
+/// Width, height and colours.
+fn pixels(file: &[u8]) -> (u32, u32, Vec<[u8; 3]>) {
+    let mut reader = png::Decoder::new(Cursor::new(file)).read_info().unwrap();
+    let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut bytes).unwrap();
+    let samples = info.color_type.samples();
+    let colours = bytes.chunks_exact(samples).map(|pixel| [pixel[0], pixel[1], pixel[2]]);
+    (info.width, info.height, colours.collect())
+}
+
+fn count(pixels: &[[u8; 3]], fits: impl Fn(&[u8; 3]) -> bool) -> usize {
+    pixels.iter().filter(|pixel| fits(pixel)).count()
+}
+
+#[test]
+fn a_plot_has_a_line_for_every_method_a_band_for_several_seeds_and_the_published_curves() {
+    let rher = three_and_one();
+    rher.ok("plot a1 a2 a3 b1 -o curves.svg");
+    let svg = read(&rher, "curves.svg");
+    for text in ["push: success", "rher fast", "her fast", "rher, published", "environment steps"] {
+        assert!(svg.contains(&format!(">{text}</text>")), "no `{text}` in:\n{svg}");
+    }
+    // Three seeds here, and five of the authors' for each method.
+    assert_eq!(svg.matches("<polygon").count(), 3, "{svg}");
+    // The first sub-task is trained in none of these runs.
+    assert!(!svg.contains("sub-task 1"), "{svg}");
+    assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
+
+    rher.ok("plot a1 -o one.svg --x time --measure iqm");
+    let svg = read(&rher, "one.svg");
+    assert_eq!(svg.matches("<polygon").count(), 0, "one run has no band:\n{svg}");
+    assert!(svg.contains("wall clock, minutes") && !svg.contains("published"), "{svg}");
+}
+
+#[test]
+fn a_line_goes_through_what_was_measured() {
+    let rher = Rher::new();
+    run(&rher, "a", "rher", 1, &[0.0, 0.5, 1.0]);
+    rher.ok("plot a --x time -o a.svg");
+    let svg = read(&rher, "a.svg");
+    let line = svg.lines().find(|line| line.contains("#0072b2")).unwrap();
+    let points = line.split("points=\"").nth(1).unwrap().trim_end_matches("\"/>");
+    let points: Vec<Vec<f32>> = points
+        .split(' ')
+        .map(|point| point.split(',').map(|number| number.parse().unwrap()).collect())
+        .collect();
+    let [[x1, y1], [x2, y2], [x3, y3]] = [0, 1, 2].map(|i| [points[i][0], points[i][1]]);
+    assert!((x3 - x2 - (x2 - x1)).abs() < 0.2 && x2 > x1, "evenly to the right: {points:?}");
+    assert!((y1 - y2 - (y2 - y3)).abs() < 0.2 && y2 < y1, "evenly up: {points:?}");
+}
+
+#[test]
+fn sub_tasks_have_panels_of_their_own() {
+    let rher = Rher::new();
+    rher.ok(&format!("train push {TINY} --env-steps 1000 --out run --quiet"));
+    rher.ok("plot run");
+    assert!(read(&rher, "curves.svg").contains("sub-task 1"));
+}
+
+#[test]
+fn a_plot_can_be_pixels() {
+    let rher = three_and_one();
+    rher.ok("plot a1 a2 a3 b1 -o curves.png");
+    let (width, height, pixels) = pixels(&std::fs::read(rher.path("curves.png")).unwrap());
+    assert!(width > 800 && height > 500, "{width} by {height}");
+    assert!(count(&pixels, |pixel| *pixel == FIRST_INK) > 300, "a line");
+    assert!(count(&pixels, |pixel| *pixel == [0x22, 0x22, 0x22]) > 100, "letters");
+    assert!(count(&pixels, |pixel| *pixel == [0xff; 3]) > pixels.len() / 2, "paper");
+}
+
+#[test]
+fn what_cannot_be_drawn_or_written_leaves_no_file() {
+    let rher = three_and_one();
+    rher.write("a2/metrics.jsonl", "");
+    for command in ["plot a1 a2 -o out.svg", "report a1 a2 -o out.html"] {
+        let ran = rher.run(command);
+        assert_eq!(ran.status, Some(5), "{ran}");
+    }
+    for command in ["plot", "plot a1 -o curves.jpg", "report"] {
+        let ran = rher.run(command);
+        assert_eq!(ran.status, Some(2), "{ran}");
+    }
+    assert_snapshot!(rher.run("plot a1 -o nowhere/out.svg"), @"
+    exit 6
+    error: cannot write `nowhere/out.svg`: No such file or directory (os error 2)
+
+    hint: choose a place that you may write in
+    ");
+    std::fs::create_dir(rher.path("out.html")).unwrap();
+    assert_eq!(rher.run("report a1 -o out.html").status, Some(6));
+    let mut names: Vec<_> =
+        std::fs::read_dir(rher.path("")).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    names.sort();
+    assert_eq!(names, ["a1", "a2", "a3", "b1", "out.html"]);
+}
+
+#[test]
+fn a_report_is_one_page_that_needs_nothing_else() {
+    let rher = three_and_one();
+    rher.ok(&format!("train reach {TINY} --env-steps 1000 --out <run> --quiet"));
+    rher.ok("report a1 a2 a3 b1 <run> -o report.html");
+    let page = read(&rher, "report.html");
+    assert_eq!(page.matches("<svg").count(), 2);
+    assert!(page.contains("src=\"data:image/gif;base64,R0lGOD"), "an episode");
+    assert!(page.contains("No run of push her fast has a policy to show."));
+    assert!(page.contains("95 % [90 %, 99 %]"), "the tables of `rher stats`");
+    assert!(page.contains("&lt;run&gt;") && !page.contains("<run>"), "names are no markup");
+    assert!(page.contains("method = &quot;her&quot;"), "settings");
+    assert!(page.contains("processor"), "hardware");
+    for outside in ["http:", "https:", "<script", "<link rel=\"stylesheet\"", "url("] {
+        let namespace = page.replace("http://www.w3.org/2000/svg", "");
+        assert!(!namespace.contains(outside), "{outside}");
+    }
+}
+
+#[test]
+fn a_browser_shows_a_report_without_an_error_or_a_request() {
+    let Some(browser) = browser() else { return };
+    let rher = three_and_one();
+    rher.ok(&format!("train push {TINY} --env-steps 1000 --out run --quiet"));
+    rher.ok("report a1 a2 a3 b1 run -o report.html");
+    let shot = rher.path("shot.png");
+    let log = rher.path("net.json");
+    let see = |what: &str| {
+        let output = Command::new(browser)
+            .args([
+                "--headless",
+                "--no-sandbox",
+                "--disable-gpu",
+                "--disable-background-networking",
+            ])
+            .args(["--enable-logging=stderr", "--hide-scrollbars", "--window-size=1100,3200"])
+            .arg(format!("--log-net-log={}", log.display()))
+            .arg(what)
+            .arg(format!("file://{}", rher.path("report.html").display()))
+            .env("HOME", rher.path(""))
+            .output()
+            .unwrap();
+        let [stdout, stderr] =
+            [output.stdout, output.stderr].map(|text| String::from_utf8_lossy(&text).into_owned());
+        assert!(output.status.success(), "{stdout}{stderr}");
+        assert!(!stderr.contains("CONSOLE"), "{stderr}");
+        let net = std::fs::read_to_string(&log).unwrap();
+        for url in net.split("\"url\":\"").skip(1) {
+            assert!(url.starts_with("file:") || url.starts_with("data:"), "{}", &url[..99]);
+        }
+        stdout
+    };
+    let page = see("--dump-dom");
+    for text in
+        ["Runs of push rher fast, push her fast", "12,500", "never", "No run of push her fast"]
+    {
+        assert!(page.contains(text), "no `{text}` in:\n{page}");
+    }
+    see(&format!("--screenshot={}", shot.display()));
+    let (width, height, pixels) = pixels(&std::fs::read(&shot).unwrap());
+    assert_eq!((width, height), (1100, 3200));
+    assert!(count(&pixels, |pixel| *pixel == FIRST_INK) > 300, "curves are shown");
+    let is_wood =
+        |[r, g, b]: &[u8; 3]| r.abs_diff(199) < 12 && g.abs_diff(178) < 12 && b.abs_diff(147) < 14;
+    assert!(count(&pixels, is_wood) > 20_000, "a table is shown, on which things lie");
+}
+
+/// A browser without a window; `None`, and a word about it, where there is none.
+fn browser() -> Option<&'static str> {
+    let names = ["chromium-headless-shell", "chromium", "chromium-browser", "google-chrome"];
+    let runs = |name: &&str| Command::new(name).arg("--version").output().is_ok();
+    let browser = names.into_iter().find(runs);
+    if browser.is_none() {
+        // Past the harness, which keeps what passing tests print.
+        let _ = writeln!(std::io::stderr(), "ignored: no browser, expected one of {names:?}");
+    }
+    browser
+}
