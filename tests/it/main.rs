@@ -17,3 +17,4 @@ mod resume;
 mod stats;
 mod support;
 mod sweep;
+mod tensorboard;

@@ -125,10 +125,16 @@ pub(crate) struct TrainArgs {
     )]
     pub(crate) live: Option<std::net::SocketAddr>,
 
+    /// Write event files for `TensorBoard`, into `tensorboard/` in the run folder
+    ///
+    /// They hold what `metrics.jsonl` holds: `tensorboard --logdir runs` shows all runs.
+    #[arg(long)]
+    pub(crate) tensorboard: bool,
+
     /// Go on with the run in this folder, as if it had never stopped
     ///
-    /// Settings come from the checkpoint; only --workers, --quiet, --record-every, --engine,
-    /// --env-steps and --until may be given with it.
+    /// Settings come from the checkpoint; only --workers, --quiet, --record-every,
+    /// --tensorboard, --engine, --env-steps and --until may be given with it.
     #[arg(
         long,
         value_name = "DIR",

@@ -4,7 +4,7 @@ use super::{made_with, stop_on_interrupt, threads};
 use crate::cli::{EngineName, SettingsArgs, TrainArgs};
 use crate::error::ForeignTask;
 use crate::exit_code::Status;
-use crate::observe::{ProgressView, Recorder, Watch, duration, percent, thousands};
+use crate::observe::{EventFile, ProgressView, Recorder, Watch, duration, percent, thousands};
 use crate::printer::Printer;
 use rher_core::checkpoint;
 use rher_core::config::TrainConfig;
@@ -26,6 +26,7 @@ pub(crate) fn train(args: &TrainArgs, printer: Printer) -> anyhow::Result<Status
     let how = How {
         workers: threads(*workers),
         record_every: *record_every,
+        tensorboard: args.tensorboard,
         #[cfg(feature = "live")]
         live: args.live,
         printer,
@@ -45,6 +46,7 @@ pub(crate) fn train(args: &TrainArgs, printer: Printer) -> anyhow::Result<Status
 struct How {
     workers: usize,
     record_every: Option<NonZeroU64>,
+    tensorboard: bool,
     #[cfg(feature = "live")]
     live: Option<std::net::SocketAddr>,
     printer: Printer,
@@ -96,7 +98,7 @@ impl EnvVisitor for Session {
 
     fn visit<const N: usize, E: Simulated<N>>(self, build: impl Fn() -> E + Sync) -> Self::Output {
         let Self { folder, config, start, how } = self;
-        let How { workers, record_every, printer, .. } = how;
+        let How { workers, record_every, tensorboard, printer, .. } = how;
         let envs: Vec<E> = (0..config.envs.max(workers)).map(|_| build()).collect();
         let made_with = envs[0].options().clone();
         let (trainer, metrics) = match start {
@@ -148,8 +150,11 @@ impl EnvVisitor for Session {
             None => None,
         };
         let progress = ProgressView::new(printer, trainer.config(), trainer.progress());
+        let started_at = trainer.progress().env_steps;
+        let events = tensorboard.then(|| EventFile::create(folder.path(), started_at));
         let watch = Watch {
             metrics,
+            events: events.transpose()?,
             progress,
             recorder,
             #[cfg(feature = "live")]

@@ -2,9 +2,11 @@
 
 mod progress;
 mod recorder;
+mod tensorboard;
 
 pub(crate) use progress::{ProgressView, duration, percent, thousands};
 pub(crate) use recorder::Recorder;
+pub(crate) use tensorboard::EventFile;
 
 use rher_core::event::{Event, Metrics, Observer, ObserverError};
 use rher_envs::Simulated;
@@ -13,6 +15,8 @@ use rher_runs::MetricsFile;
 /// Writes metrics down, shows progress and records episodes.
 pub(crate) struct Watch<E, const N: usize> {
     pub(crate) metrics: MetricsFile,
+    /// For `TensorBoard`.
+    pub(crate) events: Option<EventFile>,
     pub(crate) progress: ProgressView,
     pub(crate) recorder: Option<Recorder<E, N>>,
     #[cfg(feature = "live")]
@@ -28,6 +32,9 @@ impl<const N: usize, E: Simulated<N>> Observer for Watch<E, N> {
             Event::Evaluated(metrics) => {
                 let written = self.metrics.append(metrics);
                 written.map_err(|error| ObserverError(error.into()))?;
+                if let Some(events) = &mut self.events {
+                    events.append(metrics).map_err(|error| ObserverError(error.into()))?;
+                }
                 self.progress.evaluated(metrics);
                 #[cfg(feature = "live")]
                 if let Some(live) = &self.live {
