@@ -35,6 +35,8 @@ pub struct Live {
     scripts: SyncSender<Script>,
     idle: Arc<AtomicBool>,
     server: WebSocketServerHandle,
+    /// Channels end with it.
+    _context: Arc<Context>,
 }
 
 impl Live {
@@ -75,7 +77,7 @@ impl Live {
                 shown.store(true, Ordering::Release);
             }
         });
-        Ok(Self { metrics, scripts, idle, server })
+        Ok(Self { metrics, scripts, idle, server, _context: context })
     }
 
     /// Where it listens.
