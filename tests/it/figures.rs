@@ -110,6 +110,24 @@ fn what_cannot_be_drawn_or_written_leaves_no_file() {
 }
 
 #[test]
+fn play_draws_every_step_and_a_moving_picture() {
+    let rher = Rher::new();
+    rher.ok(&format!("train cue-push {TINY} --env-steps 500 --out run --quiet"));
+    rher.ok("play run --episodes 2 --gif two.gif --png-dir steps");
+    let gif = std::fs::read(rher.path("two.gif")).unwrap();
+    assert!(gif.starts_with(b"GIF89a") && gif.ends_with(b";"), "{} bytes", gif.len());
+    assert!(gif.len() < 400_000, "{} bytes", gif.len());
+    let files = std::fs::read_dir(rher.path("steps")).unwrap().count();
+    assert_eq!(files, 2 * (20 + 1));
+    let (width, height, colours) =
+        pixels(&std::fs::read(rher.path("steps/episode-001-step-020.png")).unwrap());
+    assert_eq!((width, height), (400, 300));
+    assert!(count(&colours, |[r, g, b]| *r > 120 && *g < 90 && *b < 90) > 50, "a red cylinder");
+    let ran = rher.run("play run --gif nowhere/x.gif");
+    assert_eq!(ran.status, Some(6), "{ran}");
+}
+
+#[test]
 fn a_report_is_one_page_that_needs_nothing_else() {
     let rher = three_and_one();
     rher.ok(&format!("train reach {TINY} --env-steps 1000 --out <run> --quiet"));

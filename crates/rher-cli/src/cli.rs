@@ -50,7 +50,7 @@ pub(crate) enum Command {
     Reproduce(ReproduceArgs),
     /// Measure how often a policy succeeds, with a 95 % confidence interval
     Eval(EvalArgs),
-    /// Play episodes of a policy, and record them for Foxglove
+    /// Play episodes of a policy, draw them, and record them for Foxglove
     Play(PlayArgs),
     /// List the episodes of a recording, or prove that they were real
     Replay(ReplayArgs),
@@ -315,6 +315,7 @@ pub(crate) struct EvalArgs {
 Examples:
   rher play runs/push-rher-fast-1 --episodes 10
   rher play runs/push-rher-fast-1 --mcap push.mcap
+  rher play runs/push-rher-fast-1 --gif push.gif
 
 A recording opens in Foxglove or Lichtblick with no set-up: the scene, the goals, what hindsight will
 ask for (the end of the episode) and what the current stage asks for in the 3D panel, and `/frame` and
@@ -335,6 +336,14 @@ pub(crate) struct PlayArgs {
     /// Record the episodes in this MCAP file
     #[arg(long, value_name = "FILE", value_parser = recording())]
     pub(crate) mcap: Option<PathBuf>,
+
+    /// Draw the episodes as one moving picture, in this GIF file
+    #[arg(long, value_name = "FILE")]
+    pub(crate) gif: Option<PathBuf>,
+
+    /// Draw every step as a PNG file in this folder
+    #[arg(long, value_name = "DIR")]
+    pub(crate) png_dir: Option<PathBuf>,
 }
 
 #[derive(Debug, Args)]

@@ -12,6 +12,7 @@ mod film;
 mod jobs;
 mod observe;
 mod output;
+mod pictures;
 mod printer;
 mod published;
 mod runs;

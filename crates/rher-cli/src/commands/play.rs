@@ -3,6 +3,7 @@
 use super::{stop_on_interrupt, table, text};
 use crate::cli::PlayArgs;
 use crate::exit_code::Status;
+use crate::pictures::Pictures;
 use crate::printer::Printer;
 use crate::trained::Trained;
 use rher_core::evaluate::{Played, final_distance, play as play_episode};
@@ -37,6 +38,7 @@ impl EnvVisitor for Play<'_> {
         trained.describe(&mut about)?;
         let recording = args.mcap.as_ref().map(|path| RecordingFile::create(path, &about));
         let mut recording = recording.transpose()?;
+        let mut pictures = Pictures::new(args.gif.as_ref(), args.png_dir.as_ref())?;
         let mut player = Player::new(build(), reach_distance);
         let stop = stop_on_interrupt(move |line| printer.note(line), "finishing the episode")?;
         let critic = trained.critic();
@@ -44,6 +46,9 @@ impl EnvVisitor for Play<'_> {
             if let Some(recording) = &mut recording {
                 let script = played.script(number, critic.as_ref());
                 recording.add(&player.tell(&script, recording.next())?)?;
+            }
+            if let Some(pictures) = &mut pictures {
+                pictures.add(number, &player.play(&played.script(number, None))?.seen)?;
             }
             Ok(())
         };
@@ -61,7 +66,11 @@ impl EnvVisitor for Play<'_> {
             (Some(recording), Err(_)) => recording.discard()?,
             (None, _) => {}
         }
-        printer.data(&lines?)?;
+        let lines = lines?;
+        if let Some(pictures) = pictures {
+            pictures.finish()?;
+        }
+        printer.data(&lines)?;
         Ok(if stop.load(Ordering::Relaxed) { Status::Interrupted } else { Status::Success })
     }
 }
