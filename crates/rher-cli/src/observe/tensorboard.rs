@@ -49,7 +49,8 @@ impl EventFile {
         version.bytes(3, VERSION.as_bytes());
         let mut session = Message::default();
         session.integer(1, 1);
-        let mut start = Message::event(now, env_steps);
+        // What is told of this step itself stays.
+        let mut start = Message::event(now, env_steps + 1);
         start.bytes(7, &session.0);
         events.write(&[version, start])?;
         Ok(events)
