@@ -1,6 +1,5 @@
 //! Moving pictures: GIF files of episodes.
 
-use color_quant::NeuQuant;
 use gif::{DisposalMethod, Encoder, EncodingError, Frame, Repeat};
 use rher_envs::render::Image;
 
@@ -14,8 +13,8 @@ const LAST_DELAY: u16 = 100;
 const COLOURS: usize = 255;
 const AS_IT_WAS: u8 = COLOURS as u8;
 
-/// From 1, the best colours, to 30, the fastest search for them.
-const HASTE: i32 = 10;
+/// Kinds of colours that are told apart.
+const BINS: usize = 1 << 18;
 
 /// A GIF file that is being made, which repeats when it is shown.
 pub(crate) struct Animation {
@@ -104,47 +103,73 @@ fn changed(old: &[u8], new: &[u8], width: usize) -> [usize; 4] {
 /// The colours of a file.
 struct Palette {
     rgb: Vec<u8>,
-    quantiser: NeuQuant,
-    /// By the upper five, six and five bits of red, green and blue.
+    /// The nearest colour, by [`bin`].
     known: Vec<Option<u8>>,
 }
 
 impl Palette {
-    /// Those of the first and the last picture.
+    /// The most frequent colours of an episode.
     fn of(episode: &[Image]) -> Self {
-        let ends = [episode.first(), episode.last()];
-        let rgb = ends.into_iter().flatten().flat_map(|image| image.rgb.as_chunks::<3>().0);
-        let rgba: Vec<u8> = rgb.flat_map(|[r, g, b]| [*r, *g, *b, 255]).collect();
-        let quantiser = NeuQuant::new(HASTE, COLOURS, &rgba);
-        Self { rgb: quantiser.color_map_rgb(), quantiser, known: vec![None; 1 << 16] }
+        // How many pixels, and the sums of their red, green and blue.
+        let mut bins = vec![[0_u64; 4]; BINS];
+        for pixel in episode.iter().flat_map(|image| image.rgb.as_chunks::<3>().0) {
+            let [r, g, b] = pixel.map(u64::from);
+            let sums = &mut bins[bin(*pixel)];
+            *sums = [sums[0] + 1, sums[1] + r, sums[2] + g, sums[3] + b];
+        }
+        bins.retain(|[count, ..]| *count > 0);
+        bins.sort_by_key(|[count, ..]| std::cmp::Reverse(*count));
+        bins.truncate(COLOURS);
+        let mean = |[count, sums @ ..]: [u64; 4]| sums.map(|sum| (sum / count) as u8);
+        let mut rgb: Vec<u8> = bins.into_iter().flat_map(mean).collect();
+        rgb.resize(3 * (COLOURS + 1), 0);
+        Self { rgb, known: vec![None; BINS] }
     }
 
     fn indices(&mut self, image: &Image) -> Vec<u8> {
+        let Self { rgb, known } = self;
         let pixels = image.rgb.as_chunks::<3>().0.iter();
         pixels
-            .map(|[r, g, b]| {
-                let key =
-                    usize::from(r >> 3) << 11 | usize::from(g >> 2) << 5 | usize::from(b >> 3);
-                let find = || self.quantiser.index_of(&[*r, *g, *b, 255]) as u8;
-                *self.known[key].get_or_insert_with(find)
-            })
+            .map(|pixel| *known[bin(*pixel)].get_or_insert_with(|| nearest(rgb, *pixel)))
             .collect()
     }
+}
+
+/// Where a pixel is counted: by the upper six bits of each of its numbers.
+fn bin(pixel: [u8; 3]) -> usize {
+    pixel.into_iter().fold(0, |bin, number| bin << 6 | usize::from(number >> 2))
+}
+
+/// Index of the colour that differs least.
+fn nearest(rgb: &[u8], pixel: [u8; 3]) -> u8 {
+    let distance = |colour: &[u8; 3]| -> u32 {
+        colour.iter().zip(pixel).map(|(a, b)| u32::from(a.abs_diff(b)).pow(2)).sum()
+    };
+    let colours = rgb.as_chunks::<3>().0.iter().take(COLOURS).enumerate();
+    colours.min_by_key(|(_, colour)| distance(colour)).map_or(0, |(index, _)| index as u8)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn picture(red_at: usize) -> Image {
-        let pixels =
-            (0..8 * 4).flat_map(|index| if index == red_at { [255, 0, 0] } else { [0, 0, 255] });
-        Image { width: 8, height: 4, rgb: pixels.collect() }
+    const WIDTH: usize = 64;
+    const HEIGHT: usize = 48;
+
+    /// A red square of 8 pixels on blue, with its upper left corner at a place.
+    fn picture([left, top]: [usize; 2]) -> Image {
+        let is_red = |index: usize| {
+            let (x, y) = (index % WIDTH, index / WIDTH);
+            (left..left + 8).contains(&x) && (top..top + 8).contains(&y)
+        };
+        let pixels = (0..WIDTH * HEIGHT)
+            .flat_map(|index| if is_red(index) { [255, 0, 0] } else { [0, 0, 255] });
+        Image { width: WIDTH, height: HEIGHT, rgb: pixels.collect() }
     }
 
     #[test]
     fn a_reader_sees_the_pictures_again() {
-        let places = [3, 3, 12, 31];
+        let places = [[3, 3], [3, 3], [9, 5], [56, 40]];
         let pictures = places.map(picture);
         let mut animation = Animation::of(&pictures[..3]).unwrap().unwrap();
         animation.add(&pictures[3..]).unwrap();
@@ -152,17 +177,20 @@ mod tests {
         let mut options = gif::DecodeOptions::new();
         options.set_color_output(gif::ColorOutput::RGBA);
         let mut reader = options.read_info(file.as_slice()).unwrap();
-        let mut canvas = [[0_u8; 4]; 8 * 4];
+        let mut canvas = vec![[0_u8; 4]; WIDTH * HEIGHT];
         for place in places {
             let frame = reader.read_next_frame().unwrap().unwrap();
             for (index, pixel) in frame.buffer.as_chunks::<4>().0.iter().enumerate() {
                 let (x, y) = (index % usize::from(frame.width), index / usize::from(frame.width));
+                let (x, y) = (x + usize::from(frame.left), y + usize::from(frame.top));
                 if pixel[3] > 0 {
-                    canvas[(y + usize::from(frame.top)) * 8 + x + usize::from(frame.left)] = *pixel;
+                    canvas[y * WIDTH + x] = *pixel;
                 }
             }
-            let red: Vec<usize> = (0..8 * 4).filter(|index| canvas[*index][0] > 128).collect();
-            assert_eq!(red, [place]);
+            let expected = picture(place);
+            for (seen, drawn) in canvas.iter().zip(expected.rgb.as_chunks::<3>().0) {
+                assert!(seen.iter().zip(drawn).all(|(a, b)| a.abs_diff(*b) < 16), "{seen:?}");
+            }
         }
         assert!(reader.read_next_frame().unwrap().is_none());
     }
