@@ -40,10 +40,12 @@ fn help_names_the_verbs_and_every_exit_status() {
       sweep      Train with every combination of settings and seeds, a few runs at a time
       reproduce  Repeat an experiment of the paper
       eval       Measure how often a policy succeeds, with a 95 % confidence interval
-      play       Play episodes of a policy, and record them for Foxglove
+      play       Play episodes of a policy, draw them, and record them for Foxglove
       replay     List the episodes of a recording, or prove that they were real
       export     Write a dataset of demonstrations, for Minari or LeRobot
       stats      Compare runs: how soon they succeed, how often in the end, and how sure that is
+      plot       Draw learning curves, beside those that the authors published
+      report     Write one page about runs: curves, tables, an episode, settings
       config     Print every setting of a run as TOML, for `rher train --config`
       bench      Measure the speed of this machine
       help       Print this message or the help of the given subcommand(s)
@@ -108,6 +110,7 @@ fn training_help_teaches() {
                               core]
           --out <DIR>         Run folder to make; by default `runs/<TASK>-<METHOD>-<PRESET>-<SEED>`
           --record-every <N>  Record every N-th training episode, the first one included, for Foxglove
+          --tensorboard       Write event files for `TensorBoard`, into `tensorboard/` in the run folder
           --resume <DIR>      Go on with the run in this folder, as if it had never stopped
       -q, --quiet             Tell errors only
     ");
