@@ -110,7 +110,8 @@ fn training_help_teaches() {
                               core]
           --out <DIR>         Run folder to make; by default `runs/<TASK>-<METHOD>-<PRESET>-<SEED>`
           --record-every <N>  Record every N-th training episode, the first one included, for Foxglove
-          --tensorboard       Write event files for `TensorBoard`, into `tensorboard/` in the run folder
+          --tensorboard       Write event files for `tensorboard --logdir runs`: what `metrics.jsonl`
+                              holds
           --resume <DIR>      Go on with the run in this folder, as if it had never stopped
       -q, --quiet             Tell errors only
     ");

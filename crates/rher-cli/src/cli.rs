@@ -125,9 +125,7 @@ pub(crate) struct TrainArgs {
     )]
     pub(crate) live: Option<std::net::SocketAddr>,
 
-    /// Write event files for `TensorBoard`, into `tensorboard/` in the run folder
-    ///
-    /// They hold what `metrics.jsonl` holds: `tensorboard --logdir runs` shows all runs.
+    /// Write event files for `tensorboard --logdir runs`: what `metrics.jsonl` holds
     #[arg(long)]
     pub(crate) tensorboard: bool,
 
