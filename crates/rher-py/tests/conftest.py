@@ -1,5 +1,7 @@
 """What several files of tests use."""
 
+import signal
+
 import pytest
 
 #: Settings with which a run takes a second or less.
@@ -11,6 +13,14 @@ TINY = {
     "evaluation.episodes": 5,
     "evaluation.subtask_episodes": 2,
 }
+
+
+@pytest.fixture(autouse=True, scope="session")
+def ctrl_c():
+    """Python leaves Ctrl-C alone where it was started in the background of a script."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
 
 
 @pytest.fixture
