@@ -1,18 +1,16 @@
-//! The command line: clap types and value parsers, nothing else.
+//! The command line: clap types, nothing else.
 
 use crate::exit_code::Status;
 use crate::printer::Verbosity;
-use clap::builder::{
-    PathBufValueParser, PossibleValuesParser, RangedU64ValueParser, TypedValueParser, ValueParser,
+use crate::values::{
+    Assignment, Axis, EngineName, ExperimentName, MethodName, PresetName, Seeds, picture, rate,
+    recording, task, toml_integer,
 };
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use rher_core::agent::config::EngineKind;
-use rher_core::config::{Method, Preset};
 use rher_envs::Task;
 use rher_runs::Asked;
 use std::num::{NonZeroU64, NonZeroUsize};
 use std::path::PathBuf;
-use std::str::FromStr;
 
 /// Relay Hindsight Experience Replay: robots that learn to push, pick and stack from sparse rewards.
 #[derive(Debug, Parser)]
@@ -159,10 +157,6 @@ pub(crate) struct SweepArgs {
     #[arg(value_parser = task())]
     pub(crate) task: Task,
 
-    /// Seeds of every combination, as in `1-5` or `1,2,7`
-    #[arg(long, value_name = "SEEDS", default_value = "1-3")]
-    pub(crate) seeds: Seeds,
-
     /// One setting and its values, as in `--set relay.mirror=0,0.5`; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE,...")]
     pub(crate) vary: Vec<Axis>,
@@ -179,25 +173,16 @@ pub(crate) struct SweepArgs {
     #[arg(long, value_enum, value_name = "METHOD")]
     pub(crate) method: Option<MethodName>,
 
-    /// End every run after this many environment steps
-    #[arg(long, value_name = "N", value_parser = toml_integer(1))]
-    pub(crate) env_steps: Option<u64>,
-
     /// End a run at the second evaluation running with at least this success rate; 0 never does
     #[arg(long, value_name = "RATE", value_parser = rate)]
     pub(crate) until: Option<f32>,
-
-    /// Runs at a time [default: one for each core]
-    #[arg(long, value_name = "N")]
-    pub(crate) jobs: Option<NonZeroUsize>,
 
     /// Folder of the runs' folders; by default `runs/sweep-<TASK>`
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
 
-    /// Print JSON: an array with one object for each combination of settings
-    #[arg(long)]
-    pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) runs: RunsArgs,
 }
 
 #[derive(Debug, Args)]
@@ -214,15 +199,26 @@ pub(crate) struct ReproduceArgs {
     #[arg(value_enum, value_name = "NAME")]
     pub(crate) experiment: ExperimentName,
 
-    /// Seeds of every case, as in `1-5` or `1,2,7`
-    #[arg(long, value_name = "SEEDS", default_value = "1-3")]
-    pub(crate) seeds: Seeds,
-
     /// Settings to start from [default: paper]
     #[arg(long, value_enum, value_name = "PRESET")]
     pub(crate) preset: Option<PresetName>,
 
-    /// End every run after this many environment steps, instead of the experiment's own number
+    /// Folder of the runs' folders; by default `runs/reproduce-<NAME>`
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub(crate) runs: RunsArgs,
+}
+
+/// What commands that make many runs have in common.
+#[derive(Debug, Args)]
+pub(crate) struct RunsArgs {
+    /// Seeds of every combination of settings, as in `1-5` or `1,2,7`
+    #[arg(long, value_name = "SEEDS", default_value = "1-3")]
+    pub(crate) seeds: Seeds,
+
+    /// End every run after this many environment steps
     #[arg(long, value_name = "N", value_parser = toml_integer(1))]
     pub(crate) env_steps: Option<u64>,
 
@@ -230,11 +226,7 @@ pub(crate) struct ReproduceArgs {
     #[arg(long, value_name = "N")]
     pub(crate) jobs: Option<NonZeroUsize>,
 
-    /// Folder of the runs' folders; by default `runs/reproduce-<NAME>`
-    #[arg(long, value_name = "DIR")]
-    pub(crate) out: Option<PathBuf>,
-
-    /// Print JSON: an array with one object for each case
+    /// Print JSON: an array with one object for each combination of settings
     #[arg(long)]
     pub(crate) json: bool,
 }
@@ -552,117 +544,6 @@ pub(crate) struct BenchUpdateArgs {
     pub(crate) json: bool,
 }
 
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub(crate) enum PresetName {
-    /// Reaches the success rate soonest on your machine
-    Fast,
-    /// Reaches it in the fewest environment steps
-    SampleEfficient,
-    /// The published settings
-    Paper,
-}
-
-impl PresetName {
-    /// As on the command line.
-    pub(crate) fn name(self) -> &'static str {
-        Preset::from(self).name()
-    }
-}
-
-impl From<PresetName> for Preset {
-    fn from(name: PresetName) -> Self {
-        match name {
-            PresetName::Fast => Self::Fast,
-            PresetName::SampleEfficient => Self::SampleEfficient,
-            PresetName::Paper => Self::Paper,
-        }
-    }
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub(crate) enum ExperimentName {
-    /// Table I: which policy acts before the object is reached, in training and in evaluation
-    Policies,
-    /// How near counts as reached: d of 0 to 12 cm
-    ReachDistance,
-    /// How often the guide acts: α of 0 to 0.8
-    GuideRate,
-    /// One environment against 19 side by side
-    Envs,
-    /// Plain hindsight, with as many updates as the relay makes, and with half
-    Her,
-    /// Whether reaching is lost while pushing is learned
-    Forgetting,
-    /// Table II: steps to 95 % on push and pick
-    Table2,
-}
-
-impl ExperimentName {
-    /// As on the command line.
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Policies => "policies",
-            Self::ReachDistance => "reach-distance",
-            Self::GuideRate => "guide-rate",
-            Self::Envs => "envs",
-            Self::Her => "her",
-            Self::Forgetting => "forgetting",
-            Self::Table2 => "table2",
-        }
-    }
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub(crate) enum MethodName {
-    /// Relay hindsight: every sub-task, guided exploration
-    Rher,
-    /// Plain hindsight: the last sub-task alone, no guide
-    Her,
-}
-
-impl MethodName {
-    /// As on the command line.
-    pub(crate) fn name(self) -> &'static str {
-        Method::from(self).name()
-    }
-}
-
-impl From<MethodName> for Method {
-    fn from(name: MethodName) -> Self {
-        match name {
-            MethodName::Rher => Self::Rher,
-            MethodName::Her => Self::Her,
-        }
-    }
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub(crate) enum EngineName {
-    /// Burn's autodiff: the reference
-    Burn,
-    /// Explicit forward and backward passes over preallocated buffers
-    Fused,
-}
-
-impl EngineName {
-    /// As in settings.
-    pub(crate) const fn name(self) -> &'static str {
-        match self {
-            Self::Burn => "burn",
-            Self::Fused => "fused",
-        }
-    }
-}
-
-impl From<EngineName> for EngineKind {
-    fn from(name: EngineName) -> Self {
-        match name {
-            EngineName::Burn => Self::Burn,
-            EngineName::Fused => Self::Fused,
-        }
-    }
-}
-
 impl From<&SettingsArgs> for Asked {
     fn from(args: &SettingsArgs) -> Self {
         let SettingsArgs { preset, config, set, method, seed, env_steps, until, engine, envs } =
@@ -682,144 +563,13 @@ impl From<&SettingsArgs> for Asked {
     }
 }
 
-/// One `KEY=VALUE` of `--set`.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Assignment {
-    pub(crate) key: String,
-    pub(crate) value: toml::Value,
-}
-
-impl FromStr for Assignment {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let (key, value) =
-            text.split_once('=').ok_or("expected KEY=VALUE, as in `--set agent.discount=0.98`")?;
-        Ok(Self { key: key.trim().to_owned(), value: toml_value(value.trim())? })
-    }
-}
-
-/// One `KEY=VALUE,…` of `rher sweep --set`.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Axis {
-    pub(crate) key: String,
-    pub(crate) values: Vec<toml::Value>,
-}
-
-impl FromStr for Axis {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let (key, values) = text
-            .split_once('=')
-            .ok_or("expected KEY=VALUE,..., as in `--set relay.mirror=0,0.5`")?;
-        let mut depth = 0_i32;
-        let separated = values.split(|c| {
-            depth += i32::from(c == '[') - i32::from(c == ']');
-            c == ',' && depth == 0
-        });
-        let values = separated.map(|value| toml_value(value.trim())).collect::<Result<_, _>>()?;
-        Ok(Self { key: key.trim().to_owned(), values })
-    }
-}
-
-/// Seeds as in `1-3,7`.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Seeds(pub(crate) Vec<u64>);
-
-impl FromStr for Seeds {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let wrong = || "expected seeds as in `1-5` or `1,2,7`".to_owned();
-        let mut seeds = Vec::new();
-        for part in text.split(',') {
-            let (first, last) = part.split_once('-').unwrap_or((part, part));
-            let first: u64 = first.trim().parse().map_err(|_| wrong())?;
-            let last: u64 = last.trim().parse().map_err(|_| wrong())?;
-            if first > last || last - first >= 1000 {
-                return Err(wrong());
-            }
-            seeds.extend((first..=last).filter(|seed| !seeds.contains(seed)).collect::<Vec<_>>());
-        }
-        Ok(Self(seeds))
-    }
-}
-
-/// TOML, but a bare word needs no quotes.
-fn toml_value(text: &str) -> Result<toml::Value, String> {
-    let is_word = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
-    match toml::de::ValueDeserializer::parse(text).and_then(serde::Deserialize::deserialize) {
-        Ok(value) => Ok(value),
-        Err(_) if !text.is_empty() && text.chars().all(is_word) => Ok(text.into()),
-        Err(error) => Err(format!("`{text}` is not a TOML value: {}", error.message())),
-    }
-}
-
-fn task() -> ValueParser {
-    let names = PossibleValuesParser::new(Task::ALL.iter().map(|task| task.name()));
-    ValueParser::new(names.try_map(|name| name.parse::<Task>()))
-}
-
-/// Integers from `least` to the largest that TOML has.
-fn toml_integer(least: u64) -> RangedU64ValueParser {
-    clap::value_parser!(u64).range(least..=i64::MAX as u64)
-}
-
-/// Paths of recordings, by whose end Foxglove knows them.
-fn recording() -> impl TypedValueParser<Value = PathBuf> {
-    PathBufValueParser::new().try_map(|path| {
-        let fits = path.extension().is_some_and(|extension| extension == "mcap");
-        fits.then_some(path).ok_or("expected a name that ends in `.mcap`")
-    })
-}
-
-fn picture(name: &str) -> Result<PathBuf, String> {
-    let path = PathBuf::from(name);
-    match path.extension().and_then(|extension| extension.to_str()) {
-        Some("svg" | "png") => Ok(path),
-        _ => Err("expected a name that ends in .svg or .png".to_owned()),
-    }
-}
-
-fn rate(text: &str) -> Result<f32, String> {
-    match text.parse() {
-        Ok(rate) if (0.0..=1.0).contains(&rate) => Ok(rate),
-        _ => Err("expected a number from 0 to 1".to_owned()),
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::Cli;
     use clap::CommandFactory as _;
 
     #[test]
     fn the_command_line_is_consistent() {
         Cli::command().debug_assert();
-    }
-
-    #[test]
-    fn set_takes_toml_and_bare_words() {
-        let value = |text: &str| text.parse::<Assignment>().unwrap().value;
-        assert_eq!(value("a.b=[128, 64]"), toml::Value::from(vec![128, 64]));
-        assert_eq!(value("a.b=1e-3"), toml::Value::from(0.001));
-        assert_eq!(value("a.b = true"), toml::Value::from(true));
-        assert_eq!(value("a.b=sample-efficient"), toml::Value::from("sample-efficient"));
-        assert!("a.b=[1".parse::<Assignment>().is_err());
-        assert!("a.b".parse::<Assignment>().is_err());
-        assert!("a.b=".parse::<Assignment>().is_err());
-    }
-
-    #[test]
-    fn a_sweep_takes_several_values_and_seeds() {
-        let axis: Axis = "a.b=[1, 2],[3]".parse().unwrap();
-        assert_eq!(axis.values, [toml::Value::from(vec![1, 2]), toml::Value::from(vec![3])]);
-        let axis: Axis = "a.b=fan-in,xavier".parse().unwrap();
-        assert_eq!(axis.values, [toml::Value::from("fan-in"), toml::Value::from("xavier")]);
-        assert_eq!("1-3,7,2".parse(), Ok(Seeds(vec![1, 2, 3, 7])));
-        for wrong in ["", "3-1", "a", "1,"] {
-            assert!(wrong.parse::<Seeds>().is_err(), "{wrong}");
-        }
     }
 }

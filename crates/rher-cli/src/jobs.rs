@@ -1,11 +1,12 @@
 //! Many runs, a few at a time, each in a process and a folder of its own.
 
-use crate::cli::{Assignment, SettingsArgs};
+use crate::cli::SettingsArgs;
 use crate::commands::{table, text};
 use crate::exit_code::Status;
 use crate::observe::{percent, thousands};
 use crate::printer::Printer;
 use crate::runs::{Evaluation, read_evaluations};
+use crate::values::Assignment;
 use anyhow::Context as _;
 use rher_envs::Task;
 use rher_runs::{RunDir, WriteError, read_config, settings};

@@ -18,6 +18,7 @@ mod published;
 mod runs;
 mod statistics;
 mod trained;
+mod values;
 
 use clap::Parser as _;
 use std::process::ExitCode;

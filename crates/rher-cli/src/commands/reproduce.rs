@@ -1,10 +1,11 @@
 //! `rher reproduce`: the paper's experiments, each by one command.
 
 use super::threads;
-use crate::cli::{Assignment, ExperimentName, MethodName, PresetName, ReproduceArgs, SettingsArgs};
+use crate::cli::{ReproduceArgs, SettingsArgs};
 use crate::exit_code::Status;
 use crate::jobs::{self, Job};
 use crate::printer::Printer;
+use crate::values::{Assignment, ExperimentName, MethodName, PresetName};
 use rher_envs::Task;
 use std::path::Path;
 
@@ -14,10 +15,10 @@ pub(crate) fn reproduce(args: &ReproduceArgs, printer: Printer) -> anyhow::Resul
     let folder = || Path::new("runs").join(format!("reproduce-{name}"));
     let out = args.out.clone().unwrap_or_else(folder);
     printer.note(format_args!("the paper: {}", experiment.claim));
-    let seeds = &args.seeds.0;
+    let seeds = &args.runs.seeds.0;
     let of_seeds = |case: &Case| seeds.iter().map(|&seed| case.job(args, seed)).collect::<Vec<_>>();
     let jobs: Vec<_> = experiment.cases.iter().flat_map(of_seeds).collect();
-    jobs::run(&jobs, threads(args.jobs), &out, args.json, printer)
+    jobs::run(&jobs, threads(args.runs.jobs), &out, args.runs.json, printer)
 }
 
 /// One experiment of the paper.
@@ -60,7 +61,7 @@ impl Case {
                 set: self.set.clone(),
                 method: Some(self.method),
                 seed: Some(seed),
-                env_steps: Some(args.env_steps.unwrap_or(self.env_steps)),
+                env_steps: Some(args.runs.env_steps.unwrap_or(self.env_steps)),
                 until: Some(self.until),
                 engine: None,
                 envs: self.envs,

@@ -1,16 +1,17 @@
 //! `rher sweep`: a grid of runs.
 
 use super::threads;
-use crate::cli::{Assignment, SettingsArgs, SweepArgs};
+use crate::cli::{SettingsArgs, SweepArgs};
 use crate::exit_code::Status;
 use crate::jobs::{self, Job};
 use crate::printer::Printer;
+use crate::values::Assignment;
 use std::path::Path;
 
 pub(crate) fn sweep(args: &SweepArgs, printer: Printer) -> anyhow::Result<Status> {
     let out =
         args.out.clone().unwrap_or_else(|| Path::new("runs").join(format!("sweep-{}", args.task)));
-    jobs::run(&grid(args), threads(args.jobs), &out, args.json, printer)
+    jobs::run(&grid(args), threads(args.runs.jobs), &out, args.runs.json, printer)
 }
 
 /// Every combination of values and seeds.
@@ -27,7 +28,7 @@ fn grid(args: &SweepArgs) -> Vec<Job> {
             })
             .collect();
     }
-    let seeds = &args.seeds.0;
+    let seeds = &args.runs.seeds.0;
     let job = |varied: &[Assignment], seed| Job {
         cell: cell(varied),
         task: args.task,
@@ -37,7 +38,7 @@ fn grid(args: &SweepArgs) -> Vec<Job> {
             set: varied.to_vec(),
             method: args.method,
             seed: Some(seed),
-            env_steps: args.env_steps,
+            env_steps: args.runs.env_steps,
             until: args.until,
             engine: None,
             envs: None,

@@ -1,11 +1,12 @@
 //! `rher train`: a new run, or one that goes on.
 
 use super::{made_with, stop_on_interrupt, threads};
-use crate::cli::{EngineName, SettingsArgs, TrainArgs};
+use crate::cli::{SettingsArgs, TrainArgs};
 use crate::error::ForeignTask;
 use crate::exit_code::Status;
 use crate::observe::{EventFile, ProgressView, Recorder, Watch, duration, percent, thousands};
 use crate::printer::Printer;
+use crate::values::EngineName;
 use rher_core::checkpoint;
 use rher_core::config::TrainConfig;
 use rher_core::event::{Metrics, Progress, Seconds};

@@ -1,9 +1,10 @@
 //! `rher bench update`: milliseconds per update of the networks, beside what the machine could do.
 
-use crate::cli::{BenchUpdateArgs, EngineName};
+use crate::cli::BenchUpdateArgs;
 use crate::commands::{table, text};
 use crate::observe::percent;
 use crate::printer::Printer;
+use crate::values::EngineName;
 use clap::ValueEnum as _;
 use cpu_time::ProcessTime;
 use rand::RngExt as _;
