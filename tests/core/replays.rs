@@ -5,7 +5,7 @@ use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use rher_core::env::Env as _;
 use rher_core::episode::{Episode, rollout};
-use rher_core::replay::Replay;
+use rher_core::replay::{Replay, StepIndex};
 use std::convert::Infallible;
 
 fn episodes(count: u64) -> Vec<Episode<1>> {
@@ -23,9 +23,10 @@ fn the_oldest_episode_makes_room_for_the_newest() {
     }
     assert_eq!((replay.capacity(), replay.episodes(), replay.pushed()), (3, 3, 5));
     assert_eq!(replay.newest(3).collect::<Vec<_>>(), episodes[2..]);
-    assert_eq!(replay.achieved(2), episodes[2].achieved);
-    assert_eq!(replay.achieved(0), episodes[3].achieved);
-    assert_eq!(replay.achieved(1), episodes[4].achieved);
+    for (slot, stored) in [(0, &episodes[3]), (1, &episodes[4]), (2, &episodes[2])] {
+        let scenes = (0..=spec.episode_steps).map(|step| replay.scene(StepIndex { slot, step }));
+        assert!(scenes.eq(stored.achieved.iter().copied()));
+    }
 }
 
 #[test]
@@ -47,8 +48,8 @@ fn a_restored_replay_is_drawn_from_alike() {
         for _ in 0..50 {
             let (a, b) = (replay.draw(&mut one), restored.draw(&mut other));
             assert_eq!(replay.action(a), restored.action(b));
-            assert_eq!(replay.observations(a), restored.observations(b));
-            assert_eq!(replay.achieved(a.slot), restored.achieved(b.slot));
+            assert_eq!(replay.observation(a), restored.observation(b));
+            assert_eq!(replay.scene(a), restored.scene(b));
         }
     }
 }

@@ -81,6 +81,7 @@ pub struct Image {
 impl Mirror {
     /// The mirror image of a point.
     #[must_use]
+    #[inline]
     pub fn position(&self, position: Position) -> Position {
         let mut mirrored = position;
         mirrored[self.axis] = 2.0 * self.centre - position[self.axis];
@@ -90,6 +91,7 @@ impl Mirror {
 
 impl Image {
     /// Writes the image of `original` to `image`; all three are equally long.
+    #[inline]
     pub fn apply(images: &[Self], original: &[f32], image: &mut [f32]) {
         debug_assert!(images.len() == original.len() && original.len() == image.len());
         for (out, Self { from, sign, offset }) in image.iter_mut().zip(images) {

@@ -63,8 +63,7 @@ impl InputEncoder {
     /// Takes the slots of a goal that are not blank into the statistics.
     pub fn observe_goal<const N: usize>(&mut self, now: &Achieved<N>, goal: &EncodedGoal<N>) {
         let frame = self.frame;
-        let places = places(now);
-        for ((slot, place), statistics) in goal.slots().zip(places).zip(&mut self.slots) {
+        for ((slot, place), statistics) in goal.slots().zip(now.0.places()).zip(&mut self.slots) {
             if let Some(wanted) = slot {
                 statistics.observe(&in_frame(frame, wanted, place));
             }
@@ -93,7 +92,7 @@ impl InputEncoder {
             GoalFrame::Absolute => -CLIP,
             GoalFrame::Relative => 0.0,
         };
-        let slots = goal.slots().zip(places(now)).zip(&self.slots);
+        let slots = goal.slots().zip(now.0.places()).zip(&self.slots);
         for (((slot, place), statistics), out) in slots.zip(positions.chunks_exact_mut(3)) {
             match slot {
                 Some(wanted) => statistics.apply(&in_frame(self.frame, wanted, place), out),
@@ -106,11 +105,7 @@ impl InputEncoder {
     }
 }
 
-/// Where the thing that each slot is about is now.
-fn places<const N: usize>(now: &Achieved<N>) -> impl Iterator<Item = Position> {
-    std::iter::once(now.0.gripper).chain(now.0.objects)
-}
-
+#[inline]
 fn in_frame(frame: GoalFrame, wanted: Position, place: Position) -> [f32; 3] {
     match frame {
         GoalFrame::Absolute => wanted.coords.into(),

@@ -44,6 +44,7 @@ mod files;
 pub mod goal;
 pub mod input;
 pub mod normalize;
+mod prefetch;
 pub mod relabel;
 pub mod replay;
 pub mod script;

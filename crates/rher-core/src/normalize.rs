@@ -64,6 +64,7 @@ impl Normalizer {
     }
 
     /// Writes the normalised values.
+    #[inline]
     pub fn apply(&self, values: &[f32], normalised: &mut [f32]) {
         debug_assert!(values.len() == self.width() && normalised.len() == self.width());
         let scales = self.mean.iter().zip(&self.inverse_deviation);

@@ -6,7 +6,7 @@ use crate::env::{EnvSpec, Exchange, Image, Mirror};
 use crate::episode::Episode;
 use crate::goal::{Achieved, Desired, EncodedGoal, LaterObjects, SUCCESS, Stage, Tolerances};
 use crate::input::InputEncoder;
-use crate::replay::Replay;
+use crate::replay::{Replay, StepIndex};
 use rand::{Rng, RngExt as _};
 use std::array;
 use std::ops::Range;
@@ -25,22 +25,19 @@ pub struct Relabeler<const N: usize> {
     mirrored: [Vec<f32>; 2],
 }
 
-/// What was reached and asked for in an episode, its objects in a certain order.
-#[derive(Clone, Copy, Debug)]
-struct Played<'a, const N: usize> {
-    achieved: &'a [Achieved<N>],
-    desired: &'a Desired<N>,
-    order: [usize; N],
-}
+/// Rows that are drawn before the first of them is filled, so that the memory that they need is
+/// fetched together: most of the time of a row is waiting for it.
+const AHEAD: usize = 32;
 
-impl<const N: usize> Played<'_, N> {
-    fn achieved(&self, step: usize) -> Achieved<N> {
-        Achieved(self.achieved[step].0.reordered(&self.order))
-    }
-
-    fn desired(&self) -> Desired<N> {
-        self.desired.reordered(&self.order)
-    }
+/// What a row is to be.
+#[derive(Clone, Copy, Debug, Default)]
+struct Draw {
+    index: StepIndex,
+    /// Which of the exchanges of the sub-task's object takes part.
+    exchange: Option<usize>,
+    /// The step whose scene is the goal, in hindsight.
+    later: Option<usize>,
+    mirrored: bool,
 }
 
 impl<const N: usize> Relabeler<N> {
@@ -76,25 +73,16 @@ impl<const N: usize> Relabeler<N> {
         step: usize,
         rng: &mut impl Rng,
     ) -> EncodedGoal<N> {
-        let order = array::from_fn(|object| object);
-        self.goal_of(stage, &Played { achieved, desired, order }, step, rng)
+        let desired = match self.later(step, achieved.len() - 1, rng) {
+            Some(later) => Desired::in_hindsight(achieved[later], self.later_objects),
+            None => *desired,
+        };
+        EncodedGoal::new(stage, &achieved[step], &desired)
     }
 
-    fn goal_of(
-        &self,
-        stage: Stage<N>,
-        played: &Played<'_, N>,
-        step: usize,
-        rng: &mut impl Rng,
-    ) -> EncodedGoal<N> {
-        let now = played.achieved(step);
-        let desired = if rng.random::<f32>() < self.hindsight {
-            let later = rng.random_range(step + 1..played.achieved.len());
-            Desired::in_hindsight(played.achieved(later), self.later_objects)
-        } else {
-            played.desired()
-        };
-        EncodedGoal::new(stage, &now, &desired)
+    /// The step whose scene is the goal in hindsight of `step`, if it gets one.
+    fn later(&self, step: usize, steps: usize, rng: &mut impl Rng) -> Option<usize> {
+        (rng.random::<f32>() < self.hindsight).then(|| rng.random_range(step + 1..steps + 1))
     }
 
     /// Fills `rows` of `batch` with transitions replayed for the sub-task of `stage`, and returns
@@ -110,35 +98,62 @@ impl<const N: usize> Relabeler<N> {
         rows: Range<usize>,
         rng: &mut impl Rng,
     ) -> usize {
-        rows.filter(|&row| self.draw_row(replay, encoder, stage, batch, row, rng)).count()
+        let mut rewarded = 0;
+        let mut drawn = [Draw::default(); AHEAD];
+        for start in rows.clone().step_by(AHEAD) {
+            let block = start..rows.end.min(start + AHEAD);
+            for (draw, _) in drawn.iter_mut().zip(block.clone()) {
+                *draw = self.draw_row(replay, stage, rng);
+                replay.prefetch(draw.index, draw.later);
+            }
+            for (draw, row) in drawn.iter().zip(block) {
+                rewarded += usize::from(self.fill_row(replay, encoder, stage, batch, row, draw));
+            }
+        }
+        rewarded
+    }
+
+    /// Draws what a row is to be.
+    fn draw_row(&self, replay: &Replay<N>, stage: Stage<N>, rng: &mut impl Rng) -> Draw {
+        let index = replay.draw(rng);
+        let exchange = match self.exchanges[stage.object()].len() {
+            0 => None,
+            _ if self.exchange == 0.0 => None,
+            // One draw for whether and which: past the last one there is none.
+            some => Some((rng.random::<f32>() / self.exchange * some as f32) as usize)
+                .filter(|&which| which < some),
+        };
+        let later = self.later(index.step, replay.steps(), rng);
+        let share = self.mirror.as_ref().map(|(_, share)| *share);
+        let mirrored = share.is_some_and(|share| rng.random::<f32>() < share);
+        Draw { index, exchange, later, mirrored }
     }
 
     /// Fills one row, and returns whether it is rewarded.
-    fn draw_row(
+    fn fill_row(
         &mut self,
         replay: &Replay<N>,
         encoder: &InputEncoder,
         stage: Stage<N>,
         batch: &mut Batch,
         row: usize,
-        rng: &mut impl Rng,
+        &Draw { index, exchange, later, mirrored }: &Draw,
     ) -> bool {
-        let index = replay.draw(rng);
-        let exchange = match self.exchanges[stage.object()].as_slice() {
-            [] => None,
-            _ if self.exchange == 0.0 => None,
-            // One draw for whether and which: past the last one there is none.
-            some => some.get((rng.random::<f32>() / self.exchange * some.len() as f32) as usize),
-        };
+        let exchange = exchange.map(|which| &self.exchanges[stage.object()][which]);
         let order = exchange.map_or_else(|| array::from_fn(|object| object), |it| it.objects);
-        let (achieved, desired) = (replay.achieved(index.slot), replay.desired(index.slot));
-        let played = Played { achieved, desired, order };
-        let mut goal = self.goal_of(stage, &played, index.step, rng);
-        let (mut now, mut next) = (played.achieved(index.step), played.achieved(index.step + 1));
+        let at = |step| StepIndex { slot: index.slot, step };
+        let scene = |step| Achieved(replay.scene(at(step)).0.reordered(&order));
+        let (mut now, mut next) = (scene(index.step), scene(index.step + 1));
+        let desired = match later {
+            Some(later) => Desired::in_hindsight(scene(later), self.later_objects),
+            None => replay.desired(index.slot).reordered(&order),
+        };
+        let mut goal = EncodedGoal::new(stage, &now, &desired);
         let reward = goal.reward(&next, &self.tolerances);
         batch.rewards[row] = reward;
 
-        let (mut before, mut after) = replay.observations(index);
+        let (mut before, mut after) =
+            (replay.observation(index), replay.observation(at(index.step + 1)));
         if let Some(exchange) = exchange {
             let [exchanged_before, exchanged_after] = &mut self.exchanged;
             Image::apply(&exchange.observation, before, exchanged_before);
@@ -148,7 +163,7 @@ impl<const N: usize> Relabeler<N> {
         let action = replay.action(index);
         let action_out = &mut batch.actions[row * batch.action..(row + 1) * batch.action];
         match &self.mirror {
-            Some((mirror, share)) if rng.random::<f32>() < *share => {
+            Some((mirror, _)) if mirrored => {
                 let [mirrored_before, mirrored_after] = &mut self.mirrored;
                 Image::apply(&mirror.observation, before, mirrored_before);
                 Image::apply(&mirror.observation, after, mirrored_after);

@@ -2,10 +2,12 @@
 
 use crate::env::EnvSpec;
 use crate::episode::Episode;
-use crate::goal::{Achieved, Desired};
+use crate::goal::{Achieved, Desired, Position, Scene};
+use crate::prefetch::{CACHE_LINE, prefetch};
 use rand::{Rng, RngExt as _};
+use std::array;
 
-/// A ring of whole episodes in flat columns; the oldest episode makes room for the newest.
+/// A ring of whole episodes, frame by frame; the oldest episode makes room for the newest.
 ///
 /// Observations are raw, goals are what the task asked for: both are normalised and relabelled
 /// when they are drawn.
@@ -16,14 +18,14 @@ pub struct Replay<const N: usize> {
     steps: usize,
     capacity: usize,
     pushed: u64,
-    observations: Vec<f32>,
-    achieved: Vec<Achieved<N>>,
-    actions: Vec<f32>,
+    /// `[episodes, T + 1, observation ‖ scene ‖ action]`: a step is read in one place. The last
+    /// frame of an episode has no action.
+    frames: Vec<f32>,
     desired: Vec<Desired<N>>,
 }
 
 /// One step of a stored episode.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct StepIndex {
     /// Place of the episode in the ring.
     pub slot: usize,
@@ -42,9 +44,7 @@ impl<const N: usize> Replay<N> {
             steps,
             capacity,
             pushed: 0,
-            observations: Vec::with_capacity(capacity * (steps + 1) * observation),
-            achieved: Vec::with_capacity(capacity * (steps + 1)),
-            actions: Vec::with_capacity(capacity * steps * action),
+            frames: Vec::with_capacity(capacity * (steps + 1) * width::<N>(observation, action)),
             desired: Vec::with_capacity(capacity),
         }
     }
@@ -73,6 +73,11 @@ impl<const N: usize> Replay<N> {
         self.capacity
     }
 
+    /// Steps of an episode, T.
+    pub fn steps(&self) -> usize {
+        self.steps
+    }
+
     /// Episodes that are stored.
     pub fn episodes(&self) -> usize {
         self.desired.len()
@@ -93,22 +98,29 @@ impl<const N: usize> Replay<N> {
         assert_eq!(achieved.len(), self.steps + 1, "frames of an episode");
         assert_eq!(observations.len(), (self.steps + 1) * self.observation, "observations");
         assert_eq!(actions.len(), self.steps * self.action, "actions");
-        if self.episodes() < self.capacity {
-            self.observations.extend_from_slice(observations);
-            self.achieved.extend_from_slice(achieved);
-            self.actions.extend_from_slice(actions);
+        let slot = (self.pushed % self.capacity as u64) as usize;
+        if slot == self.episodes() {
             self.desired.push(*desired);
+            self.frames.resize(self.frames.len() + (self.steps + 1) * self.width(), 0.0);
         } else {
-            let slot = (self.pushed % self.capacity as u64) as usize;
-            let place = |width: usize| slot * width..(slot + 1) * width;
-            self.observations[place(observations.len())].copy_from_slice(observations);
-            self.achieved[place(achieved.len())].copy_from_slice(achieved);
-            self.actions[place(actions.len())].copy_from_slice(actions);
             self.desired[slot] = *desired;
         }
-        let slot = (self.pushed % self.capacity as u64) as usize;
-        for number in &mut self.actions[slot * actions.len()..(slot + 1) * actions.len()] {
-            *number = number.clamp(-1.0, 1.0);
+        let Self { observation: seen, action: acted, .. } = *self;
+        let (start, width) = (self.start(StepIndex { slot, step: 0 }), self.width());
+        let frames = self.frames[start..].chunks_exact_mut(width);
+        for (step, (frame, scene)) in frames.zip(achieved).enumerate() {
+            let (head, tail) = frame.split_at_mut(seen);
+            let (places, action) = tail.split_at_mut(3 * (N + 1));
+            head.copy_from_slice(&observations[step * seen..(step + 1) * seen]);
+            for (place, position) in places.chunks_exact_mut(3).zip(scene.0.places()) {
+                place.copy_from_slice(position.coords.as_slice());
+            }
+            if step < self.steps {
+                let chosen = &actions[step * acted..(step + 1) * acted];
+                for (number, chosen) in action.iter_mut().zip(chosen) {
+                    *number = chosen.clamp(-1.0, 1.0);
+                }
+            }
         }
         self.pushed += 1;
     }
@@ -125,16 +137,16 @@ impl<const N: usize> Replay<N> {
     }
 
     fn episode(&self, slot: usize) -> Episode<N> {
-        let frames = slot * (self.steps + 1)..(slot + 1) * (self.steps + 1);
+        let frames = || (0..=self.steps).map(move |step| StepIndex { slot, step });
         Episode {
             desired: self.desired[slot],
-            observations: self.observations
-                [frames.start * self.observation..frames.end * self.observation]
-                .to_vec(),
-            achieved: self.achieved[frames].to_vec(),
-            actions: self.actions
-                [slot * self.steps * self.action..(slot + 1) * self.steps * self.action]
-                .to_vec(),
+            observations: frames().flat_map(|index| self.observation(index)).copied().collect(),
+            achieved: frames().map(|index| self.scene(index)).collect(),
+            actions: frames()
+                .take(self.steps)
+                .flat_map(|index| self.action(index))
+                .copied()
+                .collect(),
         }
     }
 
@@ -153,20 +165,55 @@ impl<const N: usize> Replay<N> {
         &self.desired[slot]
     }
 
-    /// All `T + 1` scenes of an episode.
-    pub fn achieved(&self, slot: usize) -> &[Achieved<N>] {
-        &self.achieved[slot * (self.steps + 1)..(slot + 1) * (self.steps + 1)]
+    /// The observation at a step, 0 to T.
+    pub fn observation(&self, index: StepIndex) -> &[f32] {
+        let start = self.start(index);
+        &self.frames[start..start + self.observation]
     }
 
-    /// Observations before and after a step.
-    pub fn observations(&self, StepIndex { slot, step }: StepIndex) -> (&[f32], &[f32]) {
-        let start = (slot * (self.steps + 1) + step) * self.observation;
-        self.observations[start..start + 2 * self.observation].split_at(self.observation)
+    /// The scene at a step, 0 to T.
+    pub fn scene(&self, index: StepIndex) -> Achieved<N> {
+        let start = self.start(index) + self.observation;
+        let numbers = &self.frames[start..start + 3 * (N + 1)];
+        let place = |thing: usize| {
+            Position::new(numbers[3 * thing], numbers[3 * thing + 1], numbers[3 * thing + 2])
+        };
+        Achieved(Scene { gripper: place(0), objects: array::from_fn(|object| place(object + 1)) })
     }
 
-    /// The action of a step.
-    pub fn action(&self, StepIndex { slot, step }: StepIndex) -> &[f32] {
-        let start = (slot * self.steps + step) * self.action;
-        &self.actions[start..start + self.action]
+    /// The action of a step, 0 to T − 1.
+    pub fn action(&self, index: StepIndex) -> &[f32] {
+        let end = self.start(index) + self.width();
+        &self.frames[end - self.action..end]
     }
+
+    /// Has what is stored of a step and of the next, and the goal of step `later` or of the task,
+    /// fetched from memory; nothing waits for it.
+    pub fn prefetch(&self, StepIndex { slot, step }: StepIndex, later: Option<usize>) {
+        let start = self.start(StepIndex { slot, step });
+        let frames = &self.frames[start..start + 2 * self.width()];
+        frames.iter().step_by(CACHE_LINE / size_of::<f32>()).for_each(prefetch);
+        prefetch(&frames[frames.len() - 1]);
+        match later {
+            Some(step) => {
+                prefetch(&self.frames[self.start(StepIndex { slot, step }) + self.observation]);
+            }
+            None => prefetch(&self.desired[slot]),
+        }
+    }
+
+    /// Numbers in a frame.
+    fn width(&self) -> usize {
+        width::<N>(self.observation, self.action)
+    }
+
+    /// Where a frame begins.
+    fn start(&self, StepIndex { slot, step }: StepIndex) -> usize {
+        (slot * (self.steps + 1) + step) * self.width()
+    }
+}
+
+/// Numbers in a frame: an observation, the places of the gripper and of `N` objects, an action.
+fn width<const N: usize>(observation: usize, action: usize) -> usize {
+    observation + 3 * (N + 1) + action
 }

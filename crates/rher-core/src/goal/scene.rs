@@ -2,6 +2,7 @@
 
 use nalgebra::Point3;
 use serde::{Deserialize, Serialize};
+use std::iter;
 
 /// A point in the world frame, in metres.
 pub type Position = Point3<f32>;
@@ -22,10 +23,14 @@ impl<const N: usize> Scene<N> {
         Self { gripper: self.gripper, objects: order.map(|object| self.objects[object]) }
     }
 
+    /// The gripper's position and those of the objects.
+    pub fn places(&self) -> impl Iterator<Item = Position> {
+        iter::once(self.gripper).chain(self.objects)
+    }
+
     /// Whether every coordinate is a finite number.
     pub fn is_finite(&self) -> bool {
-        let finite = |p: &Position| p.coords.iter().all(|x| x.is_finite());
-        finite(&self.gripper) && self.objects.iter().all(finite)
+        self.places().all(|place| place.coords.iter().all(|x| x.is_finite()))
     }
 }
 
