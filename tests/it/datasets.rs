@@ -3,7 +3,6 @@
 use crate::python::{self, python};
 use crate::support::{Rher, TINY};
 use serde_json::{Value, json};
-use std::path::PathBuf;
 
 /// A run, and a recording of its first three episodes.
 fn recorded(task: &str) -> Rher {
@@ -59,18 +58,12 @@ fn reaching_is_about_the_gripper() {
     assert_eq!(dataset["observations"]["achieved_goal"], json!([51, 3]));
 }
 
-/// `LeRobot` needs `PyTorch`, gigabytes of it: who has both names their Python here.
-const LEROBOT: &str = "RHER_LEROBOT_PYTHON";
-
 #[test]
 fn lerobot_reads_its_datasets() {
-    let Some(python) = std::env::var_os(LEROBOT).map(PathBuf::from) else {
-        python::ignored(&format!("{LEROBOT} names no Python that has `lerobot`"));
-        return;
-    };
+    let Some(python) = python() else { return };
     let rher = recorded("push");
     rher.ok("export out.mcap --format lerobot --out dataset");
-    let dataset = parse(&python::run(&python, "lerobot_dataset.py", &[&rher.path("dataset")]));
+    let dataset = parse(&python::run(python, "lerobot_dataset.py", &[&rher.path("dataset")]));
     assert_eq!((&dataset["episodes"], &dataset["frames"]), (&json!(3), &json!(150)));
     assert_eq!((&dataset["fps"], &dataset["task"]), (&json!(25), &json!("push")));
     assert_eq!(

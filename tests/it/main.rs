@@ -18,3 +18,5 @@ mod stats;
 mod support;
 mod sweep;
 mod tensorboard;
+#[path = "../venv.rs"]
+mod venv;

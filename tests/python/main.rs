@@ -1,12 +1,12 @@
-//! The Python package, tested by pytest in a virtual environment of its own.
-//!
-//! The environment is kept below `target/` and made anew when its requirements change, so only the
-//! first run installs anything.
+//! The Python package, tested by pytest.
 
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
+#[path = "../venv.rs"]
+mod venv;
+
 use std::ffi::OsString;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
 #[test]
@@ -14,13 +14,13 @@ use std::process::Command;
 fn pytest_passes() {
     let package = Path::new(env!("CARGO_MANIFEST_DIR")).join("../rher-py");
     let package = package.canonicalize().unwrap();
-    let python = virtual_environment(&package.join("tests/requirements.txt"));
+    let python = venv::python().unwrap();
     // What a user types, but with the build tools that are there already.
     let pip = ["-m", "pip", "install", "--quiet", "--force-reinstall", "--no-deps"];
-    let mut install = Command::new(&python);
-    install.args(pip).arg("--no-build-isolation").arg(&package).env("PATH", path(&python));
+    let mut install = Command::new(python);
+    install.args(pip).arg("--no-build-isolation").arg(&package).env("PATH", path(python));
     run(&mut install);
-    let report = run(Command::new(&python)
+    let report = run(Command::new(python)
         .args(["-m", "pytest", "--quiet", "-p", "no:cacheprovider", "--durations=5"])
         // On a shared machine PyTorch's threads wait for each other most of the time.
         .env("OMP_NUM_THREADS", "1")
@@ -34,22 +34,6 @@ fn path(python: &Path) -> OsString {
     let path = std::env::var_os("PATH").unwrap_or_default();
     let folders = std::iter::once(beside).chain(std::env::split_paths(&path));
     std::env::join_paths(folders).unwrap()
-}
-
-/// The interpreter of an environment with these requirements.
-fn virtual_environment(requirements: &Path) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("python");
-    let python = folder.join("bin/python");
-    let wanted = std::fs::read_to_string(requirements).unwrap();
-    let stamp = folder.join("requirements.txt");
-    if std::fs::read_to_string(&stamp).is_ok_and(|installed| installed == wanted) {
-        return python;
-    }
-    run(Command::new("python3").args(["-m", "venv", "--clear"]).arg(&folder));
-    let pip = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "-r"];
-    run(Command::new(&python).args(pip).arg(requirements));
-    std::fs::write(stamp, wanted).unwrap();
-    python
 }
 
 /// Runs `command`, which must succeed, and returns what it printed.
