@@ -139,7 +139,9 @@ fn a_report_is_one_page_that_needs_nothing_else() {
     assert!(page.contains("95 % [90 %, 99 %]"), "the tables of `rher stats`");
     assert!(page.contains("&lt;run&gt;") && !page.contains("<run>"), "names are no markup");
     assert!(page.contains("method = &quot;her&quot;"), "settings");
-    assert!(page.contains("processor"), "hardware");
+    let program = concat!("rher ", env!("CARGO_PKG_VERSION"));
+    assert_eq!(page.matches(program).count(), 2, "the machine of the run, and that of the page");
+    assert_eq!(page.matches("not told").count(), 4, "machines of runs that kept none");
     for outside in ["http:", "https:", "<script", "<link rel=\"stylesheet\"", "url("] {
         let namespace = page.replace("http://www.w3.org/2000/svg", "");
         assert!(!namespace.contains(outside), "{outside}");

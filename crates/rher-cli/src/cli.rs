@@ -98,8 +98,8 @@ pub(crate) struct TrainArgs {
 
     /// Run folder to make; by default `runs/<TASK>-<METHOD>-<PRESET>-<SEED>`
     ///
-    /// It gets `config.toml`, `metrics.jsonl` (one line for each evaluation), `checkpoint/` and
-    /// `policy.safetensors`. A folder that already holds a run is left alone.
+    /// It gets `config.toml`, `machine.toml`, `metrics.jsonl` (one line for each evaluation),
+    /// `checkpoint/` and `policy.safetensors`. A folder that already holds a run is left alone.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
 

@@ -1,5 +1,6 @@
 //! A run's folder: where it is, who may write in it, and what lies where.
 
+use crate::machine::Machine;
 use crate::settings::{self, Settings, SettingsError};
 use rher_core::checkpoint::{self, CheckpointError, POLICY_FILE};
 use rher_core::config::TrainConfig;
@@ -31,7 +32,7 @@ impl RunDir {
         Path::new("runs").join(format!("{task}-{method}-{preset}-{seed}"))
     }
 
-    /// Makes the folder of a new run.
+    /// Makes the folder of a new run, with a note of the machine that makes it.
     pub fn create(path: &Path) -> Result<Self, RunDirError> {
         std::fs::create_dir_all(path).map_err(unwritable(path))?;
         let folder = Self::lock(path)?;
@@ -39,6 +40,7 @@ impl RunDir {
         if holds_checkpoint(path) || path.join(POLICY_FILE).exists() {
             return Err(RunDirError::Exists { path: path.to_owned() });
         }
+        Machine::here().write(path)?;
         Ok(folder)
     }
 

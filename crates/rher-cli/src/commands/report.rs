@@ -15,7 +15,7 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use comfy_table::Table;
 use rher_core::checkpoint::POLICY_FILE;
-use rher_runs::CONFIG_FILE;
+use rher_runs::{CONFIG_FILE, Machine};
 use std::fmt::{self, Write as _};
 use std::path::{Path, PathBuf};
 
@@ -72,8 +72,8 @@ pub(crate) fn report(args: &ReportArgs, printer: Printer) -> anyhow::Result<()> 
         }
     }
 
-    page.element("h2", "This page");
-    page.table("Program and machine that made it", &machine());
+    page.element("h2", "Hardware");
+    page.table("Programs and machines", &machines(&args.runs));
     output::write(&args.out, page.finish(&titles.join(", ")).as_bytes())?;
     printer.note(format_args!("report  {}", args.out.display()));
     Ok(())
@@ -127,18 +127,19 @@ fn listing(folders: &[PathBuf]) -> anyhow::Result<Table> {
     Ok(listing)
 }
 
-/// What is known of this machine.
-fn machine() -> Table {
-    let cores = std::thread::available_parallelism().map_or(1, std::num::NonZeroUsize::get);
-    let cpu = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let cpu = cpu.lines().find_map(|line| line.strip_prefix("model name")?.split_once(": "));
-    let mut machine = Table::new();
-    machine.set_header(["what", "which"]);
-    machine.add_row(["program", concat!("rher ", env!("CARGO_PKG_VERSION"))]);
-    machine.add_row(["system", &format!("{} {}", std::env::consts::OS, std::env::consts::ARCH)]);
-    machine.add_row(["processor", cpu.map_or("unknown", |(_, name)| name)]);
-    machine.add_row(["cores", &cores.to_string()]);
-    machine
+/// What made each of the runs, as far as they tell, and what made this page.
+fn machines(folders: &[PathBuf]) -> Table {
+    let mut machines = Table::new();
+    machines.set_header(["what", "program", "system", "processor", "cores"]);
+    let runs = folders.iter().map(|path| (path.display().to_string(), Machine::of_run(path)));
+    for (what, machine) in runs.chain([("this page".to_owned(), Some(Machine::here()))]) {
+        let known = machine.map(|Machine { program, system, processor, cores }| {
+            [program, system, processor, cores.to_string()]
+        });
+        let unknown = || ["not told", "", "", ""].map(str::to_owned);
+        machines.add_row([what].into_iter().chain(known.unwrap_or_else(unknown)));
+    }
+    machines
 }
 
 /// The body of a page.

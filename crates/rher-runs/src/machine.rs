@@ -1,0 +1,49 @@
+//! What a run is made with: the program and the machine.
+
+use crate::folder::WriteError;
+use serde::{Deserialize, Serialize};
+use std::num::NonZeroUsize;
+use std::path::Path;
+use std::{env, fs, thread};
+
+const MACHINE_FILE: &str = "machine.toml";
+
+/// The program and the machine that made a run; results depend on neither, times do.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Machine {
+    /// Name and version.
+    pub program: String,
+    /// Operating system and instruction set.
+    pub system: String,
+    /// Model of the processor, if the system tells.
+    pub processor: String,
+    /// Cores that the program may use.
+    pub cores: usize,
+}
+
+impl Machine {
+    /// This one.
+    pub fn here() -> Self {
+        let processors = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+        let mut models =
+            processors.lines().filter_map(|line| line.strip_prefix("model name")?.split_once(": "));
+        Self {
+            program: concat!("rher ", env!("CARGO_PKG_VERSION")).to_owned(),
+            system: format!("{} {}", env::consts::OS, env::consts::ARCH),
+            processor: models.next().map_or("unknown", |(_, model)| model).to_owned(),
+            cores: thread::available_parallelism().map_or(1, NonZeroUsize::get),
+        }
+    }
+
+    /// The one that made the run in a folder, if that was kept.
+    pub fn of_run(folder: &Path) -> Option<Self> {
+        toml::from_str(&fs::read_to_string(folder.join(MACHINE_FILE)).ok()?).ok()
+    }
+
+    /// Keeps it with a run.
+    pub(crate) fn write(&self, folder: &Path) -> Result<(), WriteError> {
+        let path = folder.join(MACHINE_FILE);
+        let text = toml::to_string(self).expect("text and a number can be written as TOML");
+        fs::write(&path, text).map_err(|source| WriteError { path, source })
+    }
+}
