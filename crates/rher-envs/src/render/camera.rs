@@ -2,7 +2,7 @@
 
 use super::depth::Corner;
 use super::faces::Surface;
-use crate::thing::{Form, Thing};
+use crate::thing::{Form, Role, Thing};
 use nalgebra::{Matrix3, Point3, Vector3};
 use rher_core::goal::Position;
 
@@ -21,16 +21,17 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// Over the robot's right shoulder: x goes to the right, y to the left, both away, and the
-    /// table fills the picture.
+    /// Over the robot's right shoulder: x goes to the right, y to the left, both away; the table
+    /// fills the picture, with room for a hand above what stands on it.
     pub fn above_table(things: &[Thing]) -> Self {
         /// From the focus to the eye, if the table were as wide as its diagonal is one metre.
         const BACK: Vector3<f32> = Vector3::new(-0.80, -0.98, 0.95);
         /// How much higher than the table the middle of the picture is, in metres.
         const HIGHER: f32 = 0.09;
         let (top, diagonal) = table(things).unwrap_or((Position::new(1.3, 0.75, 0.4), 0.86));
-        let focus = top + Vector3::z() * HIGHER;
-        Self { eye: focus + BACK * diagonal, focus, field_of_view: 0.44 }
+        let tallest = tallest(things, top.z);
+        let focus = top + Vector3::z() * (HIGHER + tallest / 2.0);
+        Self { eye: focus + BACK * diagonal * (1.0 + tallest), focus, field_of_view: 0.44 }
     }
 
     /// This camera in front of a picture of this many samples.
@@ -54,6 +55,19 @@ fn table(things: &[Thing]) -> Option<(Position, f32)> {
     let Form::Box(half) = table.shapes.first()?.form else { return None };
     let top = table.pose * Point3::new(0.0, 0.0, half.z);
     Some((top, 2.0 * half.xy().norm()))
+}
+
+/// How far the boxes that nothing moves rise above the height of the table's top, in metres.
+fn tallest(things: &[Thing], top: f32) -> f32 {
+    let fixed = things.iter().filter(|thing| thing.role == Role::Fixed);
+    let shapes = fixed.flat_map(|thing| thing.shapes.iter().map(move |shape| (thing, shape)));
+    let rises = shapes.filter_map(|(thing, shape)| {
+        let Form::Box(half) = shape.form else { return None };
+        let pose = thing.pose * shape.pose;
+        let upright = pose.rotation.to_rotation_matrix().matrix().row(2).abs();
+        Some(pose.translation.z + upright.tr_dot(&half) - top)
+    });
+    rises.fold(0.0, f32::max)
 }
 
 /// From the world to samples and back.
