@@ -151,6 +151,36 @@ proptest! {
     }
 
     #[test]
+    fn a_row_imitates_the_sub_task_whose_turn_it_is(
+        episode in episode(), stage in 0..4_usize, seed: u64,
+    ) {
+        let spec = spec(None, Vec::new());
+        let mut replay = Replay::new(&spec, STEPS);
+        replay.push(&episode);
+        let encoder = InputEncoder::new(GoalFrame::Relative, 2, 2);
+        let mut batch = Batch::zeros(8, encoder.width(), 1);
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let stage = Stage::from_index(stage).unwrap();
+        relabeler(0.0, LaterObjects::Now, 0.0)
+            .draw(&replay, &encoder, stage, &mut batch, 0..8, &mut rng);
+        let inputs = batch.inputs.chunks(batch.input);
+        let simpler = batch.simpler_inputs.chunks(batch.input);
+        for ((input, simpler), imitates) in inputs.zip(simpler).zip(&batch.imitates) {
+            let is_step = |step: &usize| input[..2] == episode.observations[2 * step..][..2];
+            let step = (0..STEPS).find(is_step).unwrap();
+            let now = &episode.achieved[step];
+            let apart = nalgebra::distance(&now.0.objects[0], &episode.desired.objects()[0]);
+            prop_assert_eq!(*imitates, stage.object() == 1 && apart > 0.05);
+            if *imitates {
+                let goal = EncodedGoal::new(Stage::place(0), now, &episode.desired);
+                let mut expected = vec![0.0; batch.input];
+                encoder.write(&input[..2], now, &goal, &mut expected);
+                prop_assert_eq!(simpler, expected);
+            }
+        }
+    }
+
+    #[test]
     fn a_mirrored_batch_is_the_mirror_image(episode in episode(), stage in 0..4_usize, seed: u64) {
         let spec = spec(None, Vec::new());
         let mut replay = Replay::new(&spec, STEPS);

@@ -4,7 +4,8 @@
 ///
 /// # Shapes
 ///
-/// `inputs`, `next_inputs`: `[rows, input]`; `actions`: `[rows, action]`; `rewards`: `[rows]`.
+/// `inputs`, `next_inputs`, `simpler_inputs`: `[rows, input]`; `actions`: `[rows, action]`;
+/// `rewards`, `imitates`: `[rows]`.
 /// All are row-major. There is no end flag: a time-out is not an end, so every next state counts.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Batch {
@@ -16,6 +17,11 @@ pub struct Batch {
     pub rewards: Vec<f32>,
     /// Normalised observation after the step, with the same goal.
     pub next_inputs: Vec<f32>,
+    /// Whether there is a simpler sub-task whose turn it is: placing the first of the earlier
+    /// objects that is not in its place.
+    pub imitates: Vec<bool>,
+    /// Normalised observation before the step, with the goal of that sub-task.
+    pub simpler_inputs: Vec<f32>,
     /// Numbers in one row of `inputs`.
     pub input: usize,
     /// Numbers in one row of `actions`.
@@ -30,6 +36,8 @@ impl Batch {
             actions: vec![0.0; rows * action],
             rewards: vec![0.0; rows],
             next_inputs: vec![0.0; rows * input],
+            imitates: vec![false; rows],
+            simpler_inputs: vec![0.0; rows * input],
             input,
             action,
         }

@@ -1,7 +1,7 @@
 //! Hindsight: replays every episode for every sub-task.
 
 use crate::batch::Batch;
-use crate::config::RelayConfig;
+use crate::config::{Method, RelayConfig};
 use crate::env::{EnvSpec, Exchange, Image, Mirror};
 use crate::episode::Episode;
 use crate::goal::{Achieved, Desired, EncodedGoal, LaterObjects, SUCCESS, Stage, Tolerances};
@@ -15,6 +15,7 @@ use std::ops::Range;
 #[derive(Clone, Debug)]
 pub struct Relabeler<const N: usize> {
     tolerances: Tolerances<N>,
+    method: Method,
     hindsight: f32,
     later_objects: LaterObjects,
     mirror: Option<(Mirror, f32)>,
@@ -51,6 +52,7 @@ impl<const N: usize> Relabeler<N> {
         let scratch = || [vec![0.0; spec.observation], vec![0.0; spec.observation]];
         Self {
             tolerances: spec.tolerances,
+            method: config.method,
             hindsight: config.hindsight,
             later_objects: config.later_objects,
             mirror: mirror.map(|mirror| (mirror, config.mirror)),
@@ -149,6 +151,7 @@ impl<const N: usize> Relabeler<N> {
             None => replay.desired(index.slot).reordered(&order),
         };
         let mut goal = EncodedGoal::new(stage, &now, &desired);
+        let mut simpler = self.simpler(stage, &now, &desired);
         let reward = goal.reward(&next, &self.tolerances);
         batch.rewards[row] = reward;
 
@@ -169,15 +172,35 @@ impl<const N: usize> Relabeler<N> {
                 Image::apply(&mirror.observation, after, mirrored_after);
                 (before, after) = (mirrored_before, mirrored_after);
                 Image::apply(&mirror.action, action, action_out);
-                goal = goal.map(|position| mirror.position(position));
+                let image = |position| mirror.position(position);
+                goal = goal.map(image);
+                simpler = simpler.map(|goal| goal.map(image));
                 (now, next) = (now.mirrored(mirror), next.mirrored(mirror));
             }
             _ => action_out.copy_from_slice(action),
         }
         let input = row * batch.input..(row + 1) * batch.input;
         encoder.write(before, &now, &goal, &mut batch.inputs[input.clone()]);
-        encoder.write(after, &next, &goal, &mut batch.next_inputs[input]);
+        encoder.write(after, &next, &goal, &mut batch.next_inputs[input.clone()]);
+        batch.imitates[row] = simpler.is_some();
+        if let Some(simpler) = simpler {
+            encoder.write(before, &now, &simpler, &mut batch.simpler_inputs[input]);
+        }
         reward >= SUCCESS
+    }
+
+    /// The goal of the sub-task whose turn it is when an object before that of `stage` is not in
+    /// its place: to place it.
+    fn simpler(
+        &self,
+        stage: Stage<N>,
+        now: &Achieved<N>,
+        desired: &Desired<N>,
+    ) -> Option<EncodedGoal<N>> {
+        let turn = Stage::of(now, desired, &self.tolerances, 0.0).object();
+        let place = Stage::place(turn);
+        let trained = self.method == Method::Rher;
+        (turn < stage.object() && trained).then(|| EncodedGoal::new(place, now, desired))
     }
 
     /// Takes an episode into the statistics of `encoder`: every step once, with a goal for each of

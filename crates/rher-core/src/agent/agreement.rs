@@ -32,6 +32,7 @@ fn configs() -> Vec<AgentConfig> {
         AgentConfig { policy_delay: 1, ..td3() },
         AgentConfig { target_noise: 0.0, ..td3() },
         AgentConfig { action_l2: 0.0, ..td3() },
+        AgentConfig { imitation: 0.0, ..td3() },
         AgentConfig { init: Init::FanIn, ..td3() },
         AgentConfig { target_every: TargetEvery::Episode, ..td3() },
         AgentConfig { hidden: vec![], ..td3() },
@@ -46,6 +47,8 @@ fn draw(rows: usize, rng: &mut ChaCha8Rng) -> (Batch, Vec<f32>) {
     batch.next_inputs.fill_with(|| rng.sample(StandardNormal));
     batch.actions.fill_with(|| rng.random_range(-1.0..=1.0));
     batch.rewards.fill_with(|| if rng.random() { 0.0 } else { -1.0 });
+    batch.simpler_inputs.fill_with(|| rng.sample(StandardNormal));
+    batch.imitates.fill_with(|| rng.random());
     let noise = (0..rows * ACTION).map(|_| rng.sample(StandardNormal)).collect();
     (batch, noise)
 }

@@ -97,8 +97,13 @@ impl<B: AutodiffBackend> AutodiffEngine<B> {
         let inputs = matrix(batch.inputs.clone(), batch.rows(), &self.device);
         let actions = network.forward(inputs.clone()).tanh();
         let effort = (actions.clone() * actions.clone()).mean();
+        let simpler = matrix(batch.simpler_inputs.clone(), batch.rows(), &self.device);
+        let imitates = batch.imitates.iter().map(|imitates| f32::from(u8::from(*imitates)));
+        let imitates = matrix(imitates.collect(), batch.rows(), &self.device);
+        let apart = (actions.clone() - network.forward(simpler).tanh().detach()) * imitates;
+        let apart = (apart.clone() * apart).mean();
         let value = critic.forward(Tensor::cat(vec![inputs, actions], 1)).mean();
-        let loss = effort * self.config.action_l2 - value;
+        let loss = effort * self.config.action_l2 + apart * self.config.imitation - value;
         let gradient = network.gradient(&loss, "the actor", &actor.shape)?;
         actor.descend(&gradient, self.config.actor_learning_rate);
         Ok((number(loss), squared_norm(&gradient).sqrt()))

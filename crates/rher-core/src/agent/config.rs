@@ -56,6 +56,11 @@ pub struct AgentConfig {
     pub discount: f32,
     /// Weight of the mean squared action in the actor's loss.
     pub action_l2: f32,
+    /// Weight, in the actor's loss, of how far it is from what it does itself for the simpler
+    /// sub-task whose turn it is: the mean squared difference of actions, summed over the rows
+    /// where an earlier object is not in its place.
+    #[serde(default)]
+    pub imitation: f32,
     /// Adam's step size for the actor.
     pub actor_learning_rate: f32,
     /// Adam's step size for the critics.

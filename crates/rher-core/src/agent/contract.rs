@@ -27,6 +27,7 @@ fn td3() -> AgentConfig {
         target_noise_clip: 0.3,
         discount: 0.5,
         action_l2: 0.7,
+        imitation: 0.3,
         actor_learning_rate: 1e-2,
         critic_learning_rate: 1e-2,
         target_rate: 0.1,
@@ -45,6 +46,8 @@ fn transitions(rows: usize, rng: &mut ChaCha8Rng) -> (Batch, Vec<f32>) {
     inputs.for_each(|number| *number = rng.random_range(-1.0..1.0));
     batch.rewards.fill_with(|| rng.random_range(-3.0..1.0));
     let noise = (0..rows * ACTION).map(|_| rng.random_range(-2.0..2.0)).collect();
+    batch.simpler_inputs.fill_with(|| rng.random_range(-1.0..1.0));
+    batch.imitates.fill_with(|| rng.random());
     (batch, noise)
 }
 
@@ -120,7 +123,11 @@ fn one_update_agrees<E: Engine>(build: Build<E>, config: &AgentConfig) {
             let actions = act(&before.actor.shape, parameters, &row.inputs);
             let effort = mean(actions.iter().map(|action| action * action));
             let value = value(&after.critics[0].shape, &critic, &row.inputs, &actions);
-            f64::from(config.action_l2) * effort - value
+            let apart = row.simpler.as_ref().map_or(0.0, |simpler| {
+                let simpler = act(&before.actor.shape, &doubles(&before.actor.online), simpler);
+                mean(actions.iter().zip(simpler).map(|(action, other)| (action - other).powi(2)))
+            });
+            f64::from(config.action_l2) * effort + f64::from(config.imitation) * apart - value
         }))
     };
     let squares = slopes_agree(&before.actor, &after.actor, error);
@@ -255,6 +262,7 @@ struct Row {
     actions: Vec<f64>,
     reward: f64,
     next: Vec<f64>,
+    simpler: Option<Vec<f64>>,
 }
 
 fn rows(batch: &Batch) -> Vec<Row> {
@@ -264,6 +272,8 @@ fn rows(batch: &Batch) -> Vec<Row> {
             actions: doubles(&batch.actions[row * ACTION..][..ACTION]),
             reward: batch.rewards[row].into(),
             next: doubles(&batch.next_inputs[row * INPUT..][..INPUT]),
+            simpler: batch.imitates[row]
+                .then(|| doubles(&batch.simpler_inputs[row * INPUT..][..INPUT])),
         })
         .collect()
 }

@@ -128,6 +128,8 @@ impl NotFinite {
 /// critics   one Adam step on Σₖ mean (Qₖ(s, a) − y)²                               (eq. 1)
 /// actor     every `policy_delay` updates, one Adam step on
 ///           −mean Q₁(s, π(s)) + action_l2 · mean π(s)²                               (eq. 2)
+///           + imitation · mean m (π(s) − π(s₋))², where m is 1 in rows that imitate and 0
+///           elsewhere, s₋ is s with the goal of the simpler sub-task, and π(s₋) is constant
 /// targets   with `TargetEvery::Update`, whenever the actor moved: θ′ ← θ′ + rate (θ − θ′)
 /// ```
 ///

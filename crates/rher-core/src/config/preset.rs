@@ -97,6 +97,7 @@ fn paper(task: &str, objects: usize) -> TrainConfig {
             target_noise_clip: 0.5,
             discount: 0.98,
             action_l2: 1.0,
+            imitation: 0.0,
             actor_learning_rate: 1e-3,
             critic_learning_rate: 1e-3,
             target_rate: if single { 0.05 } else { 0.01 },
@@ -152,6 +153,7 @@ fn fast(paper: TrainConfig, objects: usize) -> TrainConfig {
             target_noise: 0.2,
             discount: 0.95,
             action_l2: if single { 1.0 } else { 0.1 },
+            imitation: 1.0,
             target_rate: 0.01,
             target_every: TargetEvery::Update,
             ..paper.agent

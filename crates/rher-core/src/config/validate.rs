@@ -77,6 +77,7 @@ impl TrainConfig {
             });
         }
         positive("agent.action_l2", agent.action_l2, true)?;
+        positive("agent.imitation", agent.imitation, true)?;
         positive("agent.actor_learning_rate", agent.actor_learning_rate, false)?;
         positive("agent.critic_learning_rate", agent.critic_learning_rate, false)?;
         positive("agent.target_rate", agent.target_rate, false)?;

@@ -38,6 +38,16 @@ impl<const N: usize> Stage<N> {
         (index < Self::COUNT).then_some(Self { object: index / 2, leg })
     }
 
+    /// Placing an object.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such object.
+    pub fn place(object: usize) -> Self {
+        assert!(object < N, "object {object} of {N}");
+        Self { object, leg: Leg::Place }
+    }
+
     /// Every stage, in relay order.
     pub fn all() -> impl DoubleEndedIterator<Item = Self> {
         (0..Self::COUNT).filter_map(Self::from_index)

@@ -34,6 +34,8 @@ pub(super) struct Slice {
     critic_input: Buffer,
     /// Of the critic's output, `[rows, padded(action)]`.
     action_gradient: Buffer,
+    /// What is imitated, `[rows, action]`; only rows that imitate are written.
+    simpler_actions: Buffer,
     /// Bellman targets, `[rows]`.
     targets: Buffer,
     /// Of the actor's loss over these rows, in the layout of the actor's shape.
@@ -58,6 +60,8 @@ pub(super) struct Sums {
     pub(super) q_of_actor: f64,
     /// Of the actor's actions.
     pub(super) squared_actions: f64,
+    /// Of the actor's actions and those that it imitates.
+    pub(super) squared_distances: f64,
 }
 
 impl Sums {
@@ -68,6 +72,7 @@ impl Sums {
         q_max: f32::NEG_INFINITY,
         q_of_actor: 0.0,
         squared_actions: 0.0,
+        squared_distances: 0.0,
     };
 
     pub(super) fn plus(self, other: Self) -> Self {
@@ -78,6 +83,7 @@ impl Sums {
             q_max: self.q_max.max(other.q_max),
             q_of_actor: self.q_of_actor + other.q_of_actor,
             squared_actions: self.squared_actions + other.squared_actions,
+            squared_distances: self.squared_distances + other.squared_distances,
         }
     }
 }
@@ -94,6 +100,7 @@ impl Slice {
             deltas: Deltas::new(actor.layers.iter().chain(&critic.layers), chunk),
             critic_input: Buffer::zeros(count * critic.shape.inputs),
             action_gradient: Buffer::zeros(chunk * padded(action)),
+            simpler_actions: Buffer::zeros(chunk * action),
             targets: Buffer::zeros(count),
             actor_gradient: Buffer::zeros(actor.online.flat.len()),
             critic_gradients: critics
@@ -193,7 +200,8 @@ impl Slice {
         }
     }
 
-    /// The gradient of −mean Q₁(s, π(s)) + `action_l2` · mean π(s)² with respect to the actor.
+    /// The gradient of the actor's loss, −mean Q₁(s, π(s)) + `action_l2` · mean π(s)² +
+    /// `imitation` · mean m (π(s) − π(s₋))², with π(s₋) constant.
     pub(super) fn actor(&mut self, job: Job<'_>) {
         for chunk in chunks(self.rows.len()) {
             self.actor_of(chunk, job);
@@ -206,6 +214,18 @@ impl Slice {
         let (rows, action) = (chunk.len(), batch.action);
         let width = batch.input + action;
         let stride = actor.output_stride();
+        let imitates = &batch.imitates[self.rows.clone()][chunk.clone()];
+        let imitates = (config.imitation > 0.0 && imitates.contains(&true)).then_some(imitates);
+        if imitates.is_some() {
+            let states = self.states(&batch.simpler_inputs, batch.input);
+            let states = Rows { data: &states.data[chunk.start * states.stride..], ..states };
+            actor.forward(machine, &actor.online, states, rows, &mut self.actor_trace);
+            let said = self.actor_trace.output().chunks_exact(stride);
+            for (to, said) in self.simpler_actions.chunks_exact_mut(action).zip(said) {
+                to.copy_from_slice(&said[..action]);
+                to.iter_mut().for_each(|x| *x = x.tanh());
+            }
+        }
         let states = self.states(&batch.inputs, batch.input);
         let states = Rows { data: &states.data[chunk.start * states.stride..], ..states };
         actor.forward(machine, &actor.online, states, rows, &mut self.actor_trace);
@@ -241,7 +261,26 @@ impl Slice {
         let deltas = self.deltas.output_mut().chunks_exact_mut(stride);
         for (delta, (gradient, actions)) in deltas.zip(gradients) {
             for ((delta, gradient), a) in delta.iter_mut().zip(gradient).zip(&actions[..action]) {
-                *delta = (gradient + pull * a) * (1.0 - a * a);
+                *delta = gradient + pull * a;
+            }
+        }
+        if let Some(imitates) = imitates {
+            let pull = 2.0 * config.imitation / (batch.rows() * action) as f32;
+            let actions = self.actor_trace.output().chunks_exact(stride);
+            let deltas = self.deltas.output_mut().chunks_exact_mut(stride);
+            let simpler = self.simpler_actions.chunks_exact(action);
+            let rows = deltas.zip(actions).zip(simpler).zip(imitates);
+            for (((delta, actions), simpler), _) in rows.filter(|(_, imitates)| **imitates) {
+                for ((delta, a), simpler) in delta.iter_mut().zip(actions).zip(simpler) {
+                    *delta += pull * (a - simpler);
+                    self.sums.squared_distances += f64::from(a - simpler).powi(2);
+                }
+            }
+        }
+        let actions = self.actor_trace.output().chunks_exact(stride);
+        for (delta, actions) in self.deltas.output_mut().chunks_exact_mut(stride).zip(actions) {
+            for (delta, a) in delta.iter_mut().zip(&actions[..action]) {
+                *delta *= 1.0 - a * a;
             }
         }
         let gradient = Gradient { values: &mut self.actor_gradient, accumulate: chunk.start > 0 };

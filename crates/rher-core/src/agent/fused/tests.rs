@@ -25,6 +25,7 @@ fn td3() -> AgentConfig {
         target_noise_clip: 0.3,
         discount: 0.9,
         action_l2: 0.5,
+        imitation: 0.8,
         actor_learning_rate: 1e-3,
         critic_learning_rate: 2e-3,
         target_rate: 0.1,
@@ -42,6 +43,7 @@ fn variants() -> Vec<AgentConfig> {
             policy_delay: 1,
             target_noise: 0.0,
             action_l2: 0.0,
+            imitation: 0.0,
             target_every: TargetEvery::Episode,
             ..td3()
         },
@@ -61,6 +63,8 @@ fn draw_batch(rows: usize, rng: &mut impl Rng) -> Batch {
         actions: (0..rows * ACTION).map(|_| rng.random_range(-1.0..1.0)).collect(),
         rewards: (0..rows).map(|_| -f32::from(rng.random_bool(0.7))).collect(),
         next_inputs: normals(rows * INPUT, rng),
+        imitates: (0..rows).map(|_| rng.random()).collect(),
+        simpler_inputs: normals(rows * INPUT, rng),
         input: INPUT,
         action: ACTION,
     }
@@ -173,13 +177,18 @@ fn actor_loss(
     parameters: &[f64],
     critic: &Trained,
     batch: &Batch,
+    simpler: &[f64],
 ) -> f64 {
     let said = reference(shape, parameters, &doubles(&batch.inputs));
     let actions: Vec<f64> = said.into_iter().map(f64::tanh).collect();
     let inputs = side_by_side(&batch.inputs, &actions);
     let values = reference(&critic.shape, &doubles(&critic.online), &inputs);
     let mean_square = mean(actions.iter().map(|a| a.powi(2)));
-    f64::from(config.action_l2) * mean_square - mean(values.into_iter())
+    let distances = actions.iter().zip(simpler).enumerate().map(|(index, (a, simpler))| {
+        if batch.imitates[index / ACTION] { (a - simpler).powi(2) } else { 0.0 }
+    });
+    f64::from(config.action_l2) * mean_square + f64::from(config.imitation) * mean(distances)
+        - mean(values.into_iter())
 }
 
 /// Central differences.
@@ -249,7 +258,11 @@ fn gradients_are_those_of_a_plain_reference() {
             assert_close(losses.critic, critics_loss);
 
             let shape = &before.actor.shape;
-            let loss = |p: &[f64]| actor_loss(config, shape, p, &after.critics[0], &batch);
+            let actor = doubles(&before.actor.online);
+            let simpler = reference(shape, &actor, &doubles(&batch.simpler_inputs));
+            let simpler: Vec<f64> = simpler.into_iter().map(f64::tanh).collect();
+            let critic = &after.critics[0];
+            let loss = |p: &[f64]| actor_loss(&config, shape, p, critic, &batch, &simpler);
             let expected = gradient_of(&before.actor.online, loss);
             assert_tensors_close(shape, &engine.actor_gradient(), &expected, 1e-4);
             assert_close(losses.actor.unwrap(), loss(&doubles(&before.actor.online)));

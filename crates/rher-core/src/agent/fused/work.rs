@@ -89,6 +89,7 @@ mod tests {
             target_noise_clip: 0.5,
             discount: 0.98,
             action_l2: 1.0,
+            imitation: 1.0,
             actor_learning_rate: 1e-3,
             critic_learning_rate: 1e-3,
             target_rate: 0.05,
