@@ -167,14 +167,22 @@ pub(crate) fn tip_and_place(tip: Position, place: Position, grip: &Grip, out: &m
     out.fingers(grip.opening_velocity.map(|v| v * STEP_SECONDS));
 }
 
-/// Writes the 15 numbers of `cue-push`: the cue's tip (3), object (3), object − tip (3), what the
-/// tip has moved by in a step (3), and the object (3).
-pub(crate) fn cue_and_object(tip: &Grip, object: &Motion, out: &mut impl Sink) {
+/// Writes the 18 numbers of `cue-push`: the cue's tip (3), object (3), object − tip (3), what the
+/// tip has moved by in a step (3), and the object (3), the action that was chosen last (3).
+///
+/// A late camera shows where the cue was before that action.
+pub(crate) fn cue_and_object(
+    tip: &Grip,
+    object: &Motion,
+    chosen: Vector3<f32>,
+    out: &mut impl Sink,
+) {
     out.position(tip.position);
     out.position(object.position);
     out.vector(object.position - tip.position);
     out.vector(tip.velocity * STEP_SECONDS);
     out.vector(object.velocity * STEP_SECONDS);
+    out.vector(chosen);
 }
 
 /// Rotations about x, y and z, each about the axes as turned by those before it, in radians: the

@@ -3,6 +3,7 @@
 use super::camera::Camera;
 use super::{Body, Watch, World};
 use crate::options::{Randomize, draw};
+use nalgebra::Vector3;
 use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
 use rapier3d::prelude::{Collider, Vector};
@@ -44,6 +45,12 @@ impl World {
     /// is what it sees.
     pub(crate) fn watch(&mut self, noise: f32, delay: usize) {
         self.watch = Some(Watch { noise, delay });
+    }
+
+    /// What was chosen last, along x, y and z; 0 before the first step.
+    pub(crate) fn chosen(&self) -> Vector3<f32> {
+        let [x, y, z, _] = self.state.late.chosen[0];
+        Vector3::new(x, y, z)
     }
 
     /// Draws what a fresh world is to be like, before anything is placed in it.

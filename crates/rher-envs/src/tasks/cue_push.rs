@@ -95,7 +95,7 @@ impl Scenario<1> for CuePush {
     }
 
     fn observe(&self, _: &Layout<1>, world: &World, out: &mut impl Sink) {
-        cue_and_object(&world.grip(), &world.motion(self.cylinder), out);
+        cue_and_object(&world.grip(), &world.motion(self.cylinder), world.chosen(), out);
     }
 }
 
