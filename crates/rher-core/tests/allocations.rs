@@ -59,7 +59,8 @@ fn allocations_of_updates(pool: &ThreadPool, critic_layer_norm: bool) -> usize {
     let (rows, input, action) = (300, 31, 4);
     let state = LearnerState::new(&config, input, action, &mut ChaCha8Rng::seed_from_u64(0));
     let mut engine = FusedEngine::from_state(&config, state);
-    let batch = Batch::zeros(rows, input, action);
+    let mut batch = Batch::zeros(rows, input, action);
+    batch.imitates.fill(true);
     let noise = vec![0.5; rows * action];
     pool.install(|| {
         // A thread of the pool sets itself up when it takes its first job from another.

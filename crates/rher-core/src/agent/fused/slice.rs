@@ -34,7 +34,7 @@ pub(super) struct Slice {
     critic_input: Buffer,
     /// Of the critic's output, `[rows, padded(action)]`.
     action_gradient: Buffer,
-    /// What is imitated, `[rows, action]`; only rows that imitate are written.
+    /// What is imitated, `[rows of a chunk, action]`; rows that imitate nothing hold anything.
     simpler_actions: Buffer,
     /// Bellman targets, `[rows]`.
     targets: Buffer,
