@@ -160,8 +160,12 @@ pub enum BatchMode {
 pub struct ReplayConfig {
     /// Transitions kept; the oldest episodes go first.
     pub capacity: usize,
-    /// Rows of each sub-task in an update.
+    /// Rows of each sub-task in an update; in a joint one, on average.
     pub batch_size: usize,
+    /// Share of a joint update's rows that sub-tasks get by how often they still fail; the others
+    /// are dealt out evenly.
+    #[serde(default)]
+    pub focus: f32,
     /// How the sub-tasks share an update.
     pub batch_mode: BatchMode,
     /// Rounds of updates after every episode; a round updates every sub-task once.

@@ -82,6 +82,7 @@ fn paper(task: &str, objects: usize) -> TrainConfig {
         replay: ReplayConfig {
             capacity: 1_000_000,
             batch_size: if single { 256 } else { 2048 },
+            focus: 0.0,
             batch_mode: if single { BatchMode::Separate } else { BatchMode::Joint },
             updates_per_episode: 40,
             warmup_episodes: if single { 0 } else { 50 },
@@ -140,6 +141,7 @@ fn fast(paper: TrainConfig, objects: usize) -> TrainConfig {
         },
         replay: ReplayConfig {
             batch_size: 128,
+            focus: if single { 0.0 } else { 0.5 },
             batch_mode: BatchMode::Joint,
             updates_per_episode: if single { 80 } else { 20 },
             warmup_episodes: 0,

@@ -50,6 +50,7 @@ impl TrainConfig {
 
         at_least("replay.capacity", replay.capacity, 1, "at least 1")?;
         at_least("replay.batch_size", replay.batch_size, 1, "at least 1")?;
+        share("replay.focus", replay.focus)?;
         at_least("replay.updates_per_episode", replay.updates_per_episode, 1, "at least 1")?;
 
         if agent.hidden.is_empty() || agent.hidden.contains(&0) {

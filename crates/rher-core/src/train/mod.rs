@@ -25,6 +25,7 @@ use rand::RngExt as _;
 use rand_distr::StandardNormal;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use std::ops::Range;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -139,10 +140,31 @@ pub struct Trainer<const N: usize, E> {
     policy: Policy,
 }
 
-/// The rows of one update, an equal number for each of its sub-tasks.
+/// The rows of one update, some for each of its sub-tasks.
 struct SubtaskBatch<const N: usize> {
     stages: Vec<Stage<N>>,
     batch: Batch,
+}
+
+impl<const N: usize> SubtaskBatch<N> {
+    /// Which rows are whose: `focus` of them by how often a sub-task still fails, the others
+    /// evenly.
+    fn rows(&self, focus: f32, curriculum: &Curriculum) -> Vec<Range<usize>> {
+        let failing = |stage: &Stage<N>| 1.0 - curriculum.rate(stage.index());
+        let failures: f32 = self.stages.iter().map(failing).sum();
+        let focus = if failures > 0.0 { focus } else { 0.0 };
+        let even = (1.0 - focus) / self.stages.len() as f32;
+        let of_failures = focus / failures.max(f32::MIN_POSITIVE);
+        let (mut share, mut start) = (0.0, 0);
+        let mut rows = Vec::with_capacity(self.stages.len());
+        for stage in &self.stages {
+            share += even + of_failures * failing(stage);
+            let end = (share * self.batch.rows() as f32).round() as usize;
+            rows.push(start..end);
+            start = end;
+        }
+        rows
+    }
 }
 
 impl<const N: usize, E: Env<N>> Trainer<N, E> {
@@ -415,7 +437,7 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
         let Self { state, pool, replay, relabeler, batches, noise, engine, .. } = self;
         let TrainConfig {
             seed,
-            replay: ReplayConfig { updates_per_episode, warmup_episodes, .. },
+            replay: ReplayConfig { updates_per_episode, warmup_episodes, focus, .. },
             agent,
             ..
         } = &state.config;
@@ -424,25 +446,21 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
         if state.episodes <= *warmup_episodes {
             return Ok(());
         }
+        let rows = |batch: &SubtaskBatch<N>| batch.rows(*focus, &state.curriculum);
+        let rows: Vec<Vec<Range<usize>>> = batches.iter().map(rows).collect();
         // All of it inside the pool: entering it anew for every update would wait each time until
         // a busy machine lets the pool's thread on.
         pool.install(|| {
             for _ in 0..rounds {
-                for SubtaskBatch { stages, batch } in &mut *batches {
+                for (SubtaskBatch { stages, batch }, rows) in batches.iter_mut().zip(&rows) {
                     let drawing = Instant::now();
                     let update = state.updates;
                     let mut rng = Seed(seed).stream(Purpose::Batch, update);
-                    let rows = batch.rows() / stages.len();
-                    for (index, stage) in stages.iter().enumerate() {
-                        let rewarded = relabeler.draw(
-                            replay,
-                            &state.encoder,
-                            *stage,
-                            batch,
-                            index * rows..(index + 1) * rows,
-                            &mut rng,
-                        );
-                        state.tally.batch(*stage, rewarded, rows);
+                    for (&stage, rows) in stages.iter().zip(rows) {
+                        let encoder = &state.encoder;
+                        let rewarded =
+                            relabeler.draw(replay, encoder, stage, batch, rows.clone(), &mut rng);
+                        state.tally.batch(stage, rewarded, rows.len());
                     }
                     let noise = &mut noise[..batch.rows() * batch.action];
                     if target_noise > 0.0 {
@@ -596,4 +614,28 @@ fn explore_once<const N: usize>(
         acting += asked.elapsed();
     })?;
     Ok(Played { seed: env_seed, episode, choices, acting, playing: started.elapsed() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::Preset;
+
+    #[test]
+    fn sub_tasks_that_fail_get_more_rows_and_all_get_some() {
+        let stages: Vec<Stage<2>> = Stage::all().collect();
+        let batch = SubtaskBatch { stages, batch: Batch::zeros(400, 1, 1) };
+        let mut curriculum = Curriculum::new(&Preset::Fast.config("rows", 2).exploration, 4);
+        let even = vec![0..100, 100..200, 200..300, 300..400];
+        assert_eq!(batch.rows(0.5, &curriculum), even, "all fail alike");
+        for _ in 0..10 {
+            curriculum.record(&[Some(1.0), Some(1.0), Some(0.75), Some(0.25)]);
+        }
+        assert_eq!(batch.rows(0.0, &curriculum), even);
+        assert_eq!(batch.rows(0.5, &curriculum), [0..50, 50..100, 100..200, 200..400]);
+        for _ in 0..10 {
+            curriculum.record(&[Some(1.0); 4]);
+        }
+        assert_eq!(batch.rows(0.5, &curriculum), even, "nothing fails");
+    }
 }
