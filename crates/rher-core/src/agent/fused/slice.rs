@@ -222,8 +222,9 @@ impl Slice {
             actor.forward(machine, &actor.online, states, rows, &mut self.actor_trace);
             let said = self.actor_trace.output().chunks_exact(stride);
             for (to, said) in self.simpler_actions.chunks_exact_mut(action).zip(said) {
-                to.copy_from_slice(&said[..action]);
-                to.iter_mut().for_each(|x| *x = x.tanh());
+                for (to, said) in to.iter_mut().zip(said) {
+                    *to = said.tanh();
+                }
             }
         }
         let states = self.states(&batch.inputs, batch.input);

@@ -262,7 +262,7 @@ fn gradients_are_those_of_a_plain_reference() {
             let simpler = reference(shape, &actor, &doubles(&batch.simpler_inputs));
             let simpler: Vec<f64> = simpler.into_iter().map(f64::tanh).collect();
             let critic = &after.critics[0];
-            let loss = |p: &[f64]| actor_loss(&config, shape, p, critic, &batch, &simpler);
+            let loss = |p: &[f64]| actor_loss(config, shape, p, critic, &batch, &simpler);
             let expected = gradient_of(&before.actor.online, loss);
             assert_tensors_close(shape, &engine.actor_gradient(), &expected, 1e-4);
             assert_close(losses.actor.unwrap(), loss(&doubles(&before.actor.online)));
