@@ -394,7 +394,10 @@ fn a_run_leaves_its_folder_behind() {
         .filter(|name| !name.starts_with('.'))
         .collect();
     files.sort();
-    assert_eq!(files, ["checkpoint", "config.toml", "metrics.jsonl", "policy.safetensors"]);
+    assert_eq!(
+        files,
+        ["checkpoint", "config.toml", "machine.toml", "metrics.jsonl", "policy.safetensors"]
+    );
     let config = std::fs::read_to_string(rher.path(run).join("config.toml")).unwrap();
     assert_eq!(config, rher.ok(&format!("config reach --env-steps 500 {TINY}")));
 
