@@ -1,6 +1,9 @@
 //! Asking for memory before it is needed.
 
-#![expect(unsafe_code, reason = "there is no safe call for it; it reads nothing and cannot fail")]
+#![cfg_attr(
+    target_arch = "x86_64",
+    expect(unsafe_code, reason = "there is no safe call for it; it reads nothing and cannot fail")
+)]
 
 /// Bytes that are fetched together on common processors.
 pub(crate) const CACHE_LINE: usize = 64;
