@@ -4,7 +4,7 @@ use proptest::prelude::*;
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use rher_core::batch::Batch;
-use rher_core::config::{GoalFrame, Preset};
+use rher_core::config::{GoalFrame, ObjectOrder, Preset, RelayConfig};
 use rher_core::env::{EnvSpec, Exchange, Image, Mirror};
 use rher_core::episode::Episode;
 use rher_core::goal::{
@@ -69,6 +69,11 @@ fn relabeler(hindsight: f32, later_objects: LaterObjects, mirror: f32) -> Relabe
     Relabeler::new(&config, &spec(Some(mirror), Vec::new()))
 }
 
+fn input_encoder<const N: usize>(goal_frame: GoalFrame, spec: &EnvSpec<N>) -> InputEncoder {
+    let relay = Preset::Paper.config("law", N).relay;
+    InputEncoder::new(&RelayConfig { goal_frame, ..relay }, spec)
+}
+
 /// The two objects change places; the two numbers of an observation belong to one each, the second
 /// with the other sign.
 fn exchange() -> Exchange<2> {
@@ -129,7 +134,7 @@ proptest! {
         for episode in &episodes {
             replay.push(episode);
         }
-        let encoder = InputEncoder::new(GoalFrame::Absolute, 2, 2);
+        let encoder = input_encoder(GoalFrame::Absolute, &spec);
         let mut batch = Batch::zeros(16, encoder.width(), 1);
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let stage = Stage::from_index(stage).unwrap();
@@ -157,7 +162,7 @@ proptest! {
         let spec = spec(None, Vec::new());
         let mut replay = Replay::new(&spec, STEPS);
         replay.push(&episode);
-        let encoder = InputEncoder::new(GoalFrame::Relative, 2, 2);
+        let encoder = input_encoder(GoalFrame::Relative, &spec);
         let mut batch = Batch::zeros(8, encoder.width(), 1);
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let stage = Stage::from_index(stage).unwrap();
@@ -185,7 +190,7 @@ proptest! {
         let spec = spec(None, Vec::new());
         let mut replay = Replay::new(&spec, STEPS);
         replay.push(&episode);
-        let encoder = InputEncoder::new(GoalFrame::Absolute, 2, 2);
+        let encoder = input_encoder(GoalFrame::Absolute, &spec);
         let stage = Stage::from_index(stage).unwrap();
         let draw = |mirror: f32| {
             let mut batch = Batch::zeros(8, encoder.width(), 1);
@@ -231,7 +236,7 @@ proptest! {
                 Image::apply(&exchange().observation, observation, image);
             }
         }
-        let encoder = InputEncoder::new(GoalFrame::Relative, 2, 2);
+        let encoder = input_encoder(GoalFrame::Relative, &spec);
         let stage = Stage::from_index(stage).unwrap();
         let draw = |episode, exchange| {
             let mut config = Preset::Paper.config("law", 2).relay;
@@ -249,6 +254,40 @@ proptest! {
     }
 }
 
+proptest! {
+    /// One object is in its place and the other is not: in order of turn it is the same input
+    /// whichever of the two comes first in the relay.
+    #[test]
+    fn in_order_of_turn_it_does_not_matter_which_object_is_left(
+        scene in scene(), target in position(), numbers in prop::array::uniform2(-1.0_f32..1.0),
+    ) {
+        let spec = spec(None, vec![exchange()]);
+        let relay = Preset::Fast.config("law", 2).relay;
+        prop_assert_eq!(relay.object_order, ObjectOrder::Turn);
+        let mut encoder = InputEncoder::new(&relay, &spec);
+        let (now, desired) = (Achieved(scene), Desired::of_task([scene.objects[0], target]));
+        prop_assume!(nalgebra::distance(&scene.objects[1], &target) > 0.05);
+        encoder.observe(&numbers);
+        encoder.observe(&[0.3, -0.4]);
+        encoder.observe_goal(&now, &EncodedGoal::new(Stage::place(1), &now, &desired));
+        encoder.refresh();
+
+        let row = |now: &Achieved<2>, desired: &Desired<2>, numbers: &[f32]| {
+            let mut row = vec![0.0; encoder.width()];
+            let goal = EncodedGoal::new(Stage::place(1), now, desired);
+            encoder.write(numbers, now, &goal, &mut row);
+            row
+        };
+        let Exchange { objects, observation } = exchange();
+        let mut exchanged = [0.0; 2];
+        Image::apply(&observation, &numbers, &mut exchanged);
+        prop_assert_eq!(
+            row(&now, &desired, &numbers),
+            row(&Achieved(scene.reordered(&objects)), &desired.reordered(&objects), &exchanged)
+        );
+    }
+}
+
 #[test]
 fn a_blank_slot_is_a_flag_that_no_position_can_be_taken_for() {
     let now = Achieved(Scene {
@@ -257,7 +296,7 @@ fn a_blank_slot_is_a_flag_that_no_position_can_be_taken_for() {
     });
     let desired = Desired::of_task([Position::new(1.2, 0.6, 0.4)]);
     for (frame, blank) in [(GoalFrame::Absolute, -5.0), (GoalFrame::Relative, 0.0)] {
-        let mut encoder = InputEncoder::new(frame, 1, 1);
+        let mut encoder = input_encoder(frame, &EnvSpec::<1>::new("law", 1, 1, STEPS));
         for stage in Stage::<1>::all() {
             encoder.observe_goal(&now, &EncodedGoal::new(stage, &now, &desired));
         }

@@ -58,7 +58,7 @@ fn relabel(criterion: &mut Criterion) {
     }
     let config = Preset::Fast.config("bench", 1).relay;
     let mut relabeler = Relabeler::new(&config, &spec);
-    let encoder = InputEncoder::new(config.goal_frame, OBSERVATION, 1);
+    let encoder = InputEncoder::new(&config, &spec);
     let mut batch = Batch::zeros(ROWS, encoder.width(), ACTION);
     let last = Stage::all().last().expect("a task has a stage");
 

@@ -1,6 +1,7 @@
 //! What the method needs to know about an environment.
 
 use crate::goal::{Achieved, Desired, Position, Tolerances};
+use serde::{Deserialize, Serialize};
 
 /// What holds for the life of an environment.
 #[derive(Clone, Debug, PartialEq)]
@@ -68,7 +69,7 @@ pub struct Exchange<const N: usize> {
 }
 
 /// One number of a vector's image under a symmetry: `sign * original[from] + offset`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Image {
     /// Index in the original vector.
     pub from: usize,
@@ -90,12 +91,18 @@ impl Mirror {
 }
 
 impl Image {
+    /// This number of the image of `original`.
+    #[inline]
+    pub fn of(&self, original: &[f32]) -> f32 {
+        self.sign * original[self.from] + self.offset
+    }
+
     /// Writes the image of `original` to `image`; all three are equally long.
     #[inline]
     pub fn apply(images: &[Self], original: &[f32], image: &mut [f32]) {
         debug_assert!(images.len() == original.len() && original.len() == image.len());
-        for (out, Self { from, sign, offset }) in image.iter_mut().zip(images) {
-            *out = sign * original[*from] + offset;
+        for (out, number) in image.iter_mut().zip(images) {
+            *out = number.of(original);
         }
     }
 }

@@ -1,9 +1,12 @@
 //! What the networks see: the normalised observation and the normalised goal, side by side.
 
-use crate::config::GoalFrame;
+use crate::config::{GoalFrame, ObjectOrder, RelayConfig};
+use crate::env::EnvSpec;
 use crate::goal::{Achieved, EncodedGoal, Position};
 use crate::normalize::{CLIP, Normalizer};
+use crate::turns::{self, Turns};
 use serde::{Deserialize, Serialize};
+use std::iter;
 
 /// Turns an observation and an encoded goal into one row of network input.
 ///
@@ -13,21 +16,26 @@ use serde::{Deserialize, Serialize};
 /// # Shapes
 ///
 /// `[observation ‖ 3 (N + 1)]` with absolute goals, `[observation ‖ 3 (N + 1) ‖ N + 1]` with
-/// relative ones, whose blanks are told by a flag for each slot.
+/// relative ones, whose blanks are told by a flag for each slot. With [`ObjectOrder::Turn`] the
+/// objects come in the order of their turns, in the observation and in the goal.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct InputEncoder {
     frame: GoalFrame,
     observation: Normalizer,
     slots: Vec<Normalizer>,
+    #[serde(default)]
+    turns: Option<Turns>,
 }
 
 impl InputEncoder {
-    /// An encoder without statistics, for goals of `objects` objects.
-    pub fn new(frame: GoalFrame, observation: usize, objects: usize) -> Self {
+    /// An encoder without statistics, for environments like `spec`.
+    pub fn new<const N: usize>(config: &RelayConfig, spec: &EnvSpec<N>) -> Self {
+        let turns = (config.object_order == ObjectOrder::Turn).then(|| Turns::new(spec));
         Self {
-            frame,
-            observation: Normalizer::new(observation),
-            slots: vec![Normalizer::new(3); objects + 1],
+            frame: config.goal_frame,
+            observation: Normalizer::new(spec.observation),
+            slots: vec![Normalizer::new(3); N + 1],
+            turns: turns.flatten(),
         }
     }
 
@@ -50,6 +58,11 @@ impl InputEncoder {
         self.slots.len() - 1
     }
 
+    /// Whether its parts fit each other, which those of a damaged file may not.
+    pub(crate) fn is_consistent(&self) -> bool {
+        self.turns.as_ref().is_none_or(|turns| turns.fits(self.observation(), self.objects()))
+    }
+
     /// How goals are encoded.
     pub fn frame(&self) -> GoalFrame {
         self.frame
@@ -57,15 +70,26 @@ impl InputEncoder {
 
     /// Takes an observation into the statistics.
     pub fn observe(&mut self, observation: &[f32]) {
-        self.observation.observe(observation);
+        match &self.turns {
+            None => self.observation.observe(observation.iter().copied()),
+            Some(turns) => {
+                for first in 0..turns.objects() {
+                    self.observation.observe(turns.observation(first, observation));
+                }
+            }
+        }
     }
 
     /// Takes the slots of a goal that are not blank into the statistics.
     pub fn observe_goal<const N: usize>(&mut self, now: &Achieved<N>, goal: &EncodedGoal<N>) {
-        let frame = self.frame;
-        for ((slot, place), statistics) in goal.slots().zip(now.0.places()).zip(&mut self.slots) {
+        for (index, (slot, place)) in goal.slots().zip(now.0.places()).enumerate() {
+            let alike = match self.turns {
+                Some(_) if index > 0 => 1..N + 1,
+                _ => index..index + 1,
+            };
             if let Some(wanted) = slot {
-                statistics.observe(&in_frame(frame, wanted, place));
+                let seen = in_frame(self.frame, wanted, place);
+                self.slots[alike].iter_mut().for_each(|statistics| statistics.observe(seen));
             }
         }
     }
@@ -86,21 +110,34 @@ impl InputEncoder {
     ) {
         debug_assert_eq!(row.len(), self.width());
         let (head, tail) = row.split_at_mut(self.observation.width());
-        self.observation.apply(observation, head);
+        let first = match &self.turns {
+            None => {
+                self.observation.apply(observation.iter().copied(), head);
+                0
+            }
+            Some(turns) => {
+                let first = turns.first(now, goal);
+                self.observation.apply(turns.observation(first, observation), head);
+                first
+            }
+        };
         let (positions, flags) = tail.split_at_mut(3 * self.slots.len());
         let blank = match self.frame {
             GoalFrame::Absolute => -CLIP,
             GoalFrame::Relative => 0.0,
         };
-        let slots = goal.slots().zip(now.0.places()).zip(&self.slots);
-        for (((slot, place), statistics), out) in slots.zip(positions.chunks_exact_mut(3)) {
+        let in_turn =
+            turns::order::<N>(first).map(|object| (goal.objects()[object], now.0.objects[object]));
+        let slots = iter::once((goal.gripper(), now.0.gripper)).chain(in_turn);
+        for (index, (slot, place)) in slots.enumerate() {
+            let out = &mut positions[3 * index..3 * (index + 1)];
             match slot {
-                Some(wanted) => statistics.apply(&in_frame(self.frame, wanted, place), out),
+                Some(wanted) => self.slots[index].apply(in_frame(self.frame, wanted, place), out),
                 None => out.fill(blank),
             }
-        }
-        for (flag, slot) in flags.iter_mut().zip(goal.slots()) {
-            *flag = f32::from(u8::from(slot.is_none()));
+            if let Some(flag) = flags.get_mut(index) {
+                *flag = f32::from(u8::from(slot.is_none()));
+            }
         }
     }
 }

@@ -51,3 +51,4 @@ pub mod script;
 pub mod seed;
 #[cfg(feature = "agent")]
 pub mod train;
+mod turns;

@@ -38,11 +38,10 @@ impl Normalizer {
     }
 
     /// Takes a vector into the sums; [`Normalizer::refresh`] brings them into force.
-    pub fn observe(&mut self, values: &[f32]) {
-        debug_assert_eq!(values.len(), self.width());
+    pub fn observe(&mut self, values: impl IntoIterator<Item = f32>) {
         self.count += 1.0;
         for ((sum, square), value) in self.sums.iter_mut().zip(&mut self.squares).zip(values) {
-            let value = f64::from(*value);
+            let value = f64::from(value);
             *sum += value;
             *square += value * value;
         }
@@ -65,8 +64,8 @@ impl Normalizer {
 
     /// Writes the normalised values.
     #[inline]
-    pub fn apply(&self, values: &[f32], normalised: &mut [f32]) {
-        debug_assert!(values.len() == self.width() && normalised.len() == self.width());
+    pub fn apply(&self, values: impl IntoIterator<Item = f32>, normalised: &mut [f32]) {
+        debug_assert_eq!(normalised.len(), self.width());
         let scales = self.mean.iter().zip(&self.inverse_deviation);
         for ((out, value), (mean, inverse)) in normalised.iter_mut().zip(values).zip(scales) {
             *out = ((value - mean) * inverse).clamp(-CLIP, CLIP);

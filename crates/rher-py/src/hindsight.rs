@@ -60,7 +60,7 @@ impl EnvVisitor for Play {
         let spec = env.spec().clone();
         let config = Preset::Paper.config(&spec.name, N);
         let mut replay = Replay::new(&spec, self.episodes as usize * spec.episode_steps);
-        let mut encoder = InputEncoder::new(config.relay.goal_frame, spec.observation, N);
+        let mut encoder = InputEncoder::new(&config.relay, &spec);
         let relabeler = Relabeler::new(&config.relay, &spec);
         let stages: Vec<Stage<N>> = Stage::all().take(spec.subtasks).collect();
         for count in 0..self.episodes {

@@ -220,6 +220,9 @@ impl Policy {
                 "{subtasks} sub-tasks, {untrained} of them untrained, for {objects} objects"
             ));
         }
+        if !encoder.is_consistent() {
+            return Err("the order of its objects does not fit its observation".to_owned());
+        }
         match parameters.iter().position(|x| !x.is_finite()) {
             Some(index) => Err(format!("parameter {index} is {}", parameters[index])),
             None => Ok(()),

@@ -76,6 +76,18 @@ pub enum GoalFrame {
     Relative,
 }
 
+/// In which order the networks see objects that are alike.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ObjectOrder {
+    /// Always in relay order. The paper.
+    #[default]
+    Relay,
+    /// From the object whose turn it is on, and round: the first that the sub-task wants somewhere
+    /// else than where it is. What is to be done next looks the same for every object.
+    Turn,
+}
+
 /// The relay and its hindsight.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -91,6 +103,9 @@ pub struct RelayConfig {
     pub later_objects: LaterObjects,
     /// How goals enter the networks.
     pub goal_frame: GoalFrame,
+    /// In which order the networks see objects that are alike.
+    #[serde(default)]
+    pub object_order: ObjectOrder,
     /// Share of transitions that are replayed as their mirror image, where the scene has one.
     pub mirror: f32,
     /// Share of a later object's transitions that are replayed as if it were an earlier one that

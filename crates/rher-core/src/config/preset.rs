@@ -1,8 +1,8 @@
 //! Named starting points for a run's settings.
 
 use super::{
-    BatchMode, EvaluationConfig, ExplorationConfig, GoalFrame, Method, RelayConfig, ReplayConfig,
-    TestPolicy, TrainConfig, TrainPolicy, VERSION,
+    BatchMode, EvaluationConfig, ExplorationConfig, GoalFrame, Method, ObjectOrder, RelayConfig,
+    ReplayConfig, TestPolicy, TrainConfig, TrainPolicy, VERSION,
 };
 use crate::agent::config::{AgentConfig, EngineKind, Init, TargetEvery};
 use crate::goal::LaterObjects;
@@ -66,6 +66,7 @@ fn paper(task: &str, objects: usize) -> TrainConfig {
             hindsight: 0.8,
             later_objects: LaterObjects::Now,
             goal_frame: GoalFrame::Absolute,
+            object_order: ObjectOrder::Relay,
             mirror: 0.0,
             exchange: 0.0,
         },
@@ -132,6 +133,7 @@ fn fast(paper: TrainConfig, objects: usize) -> TrainConfig {
         relay: RelayConfig {
             reach_distance: 0.03,
             goal_frame: GoalFrame::Relative,
+            object_order: ObjectOrder::Turn,
             mirror: 0.5,
             exchange: 0.5,
             ..paper.relay

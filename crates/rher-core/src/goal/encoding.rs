@@ -18,6 +18,7 @@ pub type Slot = Option<Position>;
 pub struct EncodedGoal<const N: usize> {
     gripper: Slot,
     objects: [Slot; N],
+    last: usize,
 }
 
 impl<const N: usize> EncodedGoal<N> {
@@ -35,11 +36,11 @@ impl<const N: usize> EncodedGoal<N> {
         match stage.leg() {
             Leg::Reach => {
                 objects[object] = None;
-                Self { gripper: Some(desired.gripper_at(object, now)), objects }
+                Self { gripper: Some(desired.gripper_at(object, now)), objects, last: object }
             }
             Leg::Place => {
                 objects[object] = Some(desired.objects()[object]);
-                Self { gripper: None, objects }
+                Self { gripper: None, objects, last: object }
             }
         }
     }
@@ -59,9 +60,18 @@ impl<const N: usize> EncodedGoal<N> {
         &self.objects
     }
 
+    /// The last object that the sub-task is about, counted from 0.
+    pub(crate) fn last(&self) -> usize {
+        self.last
+    }
+
     /// The same goal with every position passed through `map`: how a scene is mirrored.
     #[must_use]
     pub fn map(&self, map: impl Fn(Position) -> Position) -> Self {
-        Self { gripper: self.gripper.map(&map), objects: self.objects.map(|slot| slot.map(&map)) }
+        Self {
+            gripper: self.gripper.map(&map),
+            objects: self.objects.map(|slot| slot.map(&map)),
+            last: self.last,
+        }
     }
 }

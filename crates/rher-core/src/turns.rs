@@ -1,0 +1,70 @@
+//! Whose turn it is: the order in which the networks see objects that are alike.
+
+use crate::env::{EnvSpec, Image};
+use crate::goal::{Achieved, EncodedGoal};
+use serde::{Deserialize, Serialize};
+use std::{array, iter};
+
+/// How observations are put in order of turn: the object whose turn it is, those after it, then
+/// those before it.
+///
+/// Then what is to be done next looks the same whichever object it is done to, and whichever
+/// sub-task wants it done.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Turns {
+    /// How near counts as placed, in metres.
+    tolerances: Vec<f32>,
+    /// For each object, what an observation is when that object comes first.
+    observations: Vec<Vec<Image>>,
+}
+
+/// The objects in order of turn when `first` comes first.
+pub(crate) fn order<const N: usize>(first: usize) -> [usize; N] {
+    array::from_fn(|place| (first + place) % N)
+}
+
+impl Turns {
+    /// For environments like `spec`; `None` where no two objects are alike.
+    pub(crate) fn new<const N: usize>(spec: &EnvSpec<N>) -> Option<Self> {
+        let exchange = |first| spec.exchanges.iter().find(|it| it.objects == order(first));
+        let others = (1..N).map(|first| exchange(first).map(|it| it.observation.clone()));
+        let others = others.collect::<Option<Vec<_>>>().filter(|others| !others.is_empty())?;
+        let same = (0..spec.observation).map(|from| Image { from, sign: 1.0, offset: 0.0 });
+        let observations = iter::once(same.collect()).chain(others).collect();
+        Some(Self { tolerances: spec.tolerances.objects.to_vec(), observations })
+    }
+
+    /// How many objects take turns.
+    pub(crate) fn objects(&self) -> usize {
+        self.observations.len()
+    }
+
+    /// Whether it fits observations of this width.
+    pub(crate) fn fits(&self, observation: usize, objects: usize) -> bool {
+        let fits = |images: &Vec<Image>| {
+            images.len() == observation && images.iter().all(|image| image.from < observation)
+        };
+        self.tolerances.len() == objects
+            && self.observations.len() == objects
+            && self.observations.iter().all(fits)
+    }
+
+    /// The object whose turn it is: the first that `goal` wants somewhere else than where it is
+    /// `now`, and otherwise the last that the sub-task is about.
+    pub(crate) fn first<const N: usize>(&self, now: &Achieved<N>, goal: &EncodedGoal<N>) -> usize {
+        let earlier = goal.objects().iter().take(goal.last()).zip(&now.0.objects);
+        let mut misplaced = earlier.zip(&self.tolerances).map(|((slot, place), tolerance)| {
+            slot.is_some_and(|wanted| nalgebra::distance(&wanted, place) > *tolerance)
+        });
+        misplaced.position(|misplaced| misplaced).unwrap_or(goal.last())
+    }
+
+    /// An observation as it is when `first` comes first, number by number.
+    pub(crate) fn observation<'a>(
+        &'a self,
+        first: usize,
+        observation: &'a [f32],
+    ) -> impl Iterator<Item = f32> + 'a {
+        self.observations[first].iter().map(|image| image.of(observation))
+    }
+}
