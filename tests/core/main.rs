@@ -4,6 +4,7 @@
 #![expect(clippy::float_cmp, reason = "what should be the same is the same to the last bit")]
 
 mod checkpoints;
+mod exploration;
 mod goals;
 mod learning;
 mod policies;

@@ -144,6 +144,10 @@ pub struct ExplorationConfig {
     pub guide: f32,
     /// The paper's β: probability of a uniformly random action.
     pub random: f32,
+    /// Steps for which a random action is kept, on average; 1 in the paper. β stays the share of
+    /// all steps.
+    #[serde(default = "one_step")]
+    pub random_steps: f32,
     /// Standard deviation of the Gaussian noise on every other action.
     pub noise: f32,
     /// Scale `random` and `noise` by 1 − success rate of the sub-task whose policy acts (AAES).
@@ -156,6 +160,10 @@ pub struct ExplorationConfig {
     pub train_policy: TrainPolicy,
     /// Who acts in evaluation.
     pub test_policy: TestPolicy,
+}
+
+fn one_step() -> f32 {
+    1.0
 }
 
 /// How the sub-tasks share an update.

@@ -73,6 +73,7 @@ fn paper(task: &str, objects: usize) -> TrainConfig {
         exploration: ExplorationConfig {
             guide: 0.4,
             random: 0.2,
+            random_steps: 1.0,
             noise: 0.2,
             adjust_to_success: !single,
             success_threshold: if single { 1.0 } else { 0.8 },

@@ -44,6 +44,7 @@ impl TrainConfig {
                 allowed: "at most 1 − `exploration.random`",
             });
         }
+        at_least("exploration.random_steps", exploration.random_steps, 1.0, "at least 1")?;
         positive("exploration.noise", exploration.noise, true)?;
         share("exploration.success_threshold", exploration.success_threshold)?;
         at_least("exploration.window", exploration.window, 1, "at least 1")?;

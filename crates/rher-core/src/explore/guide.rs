@@ -58,9 +58,13 @@ impl<const N: usize> Guide<N> {
         let learner = self.learner(stage);
         let guided = self.method == Method::Rher && first < learner.index();
 
-        let random = self.config.random * self.exploration(learner.index());
+        // Actions that are kept count as well: new ones are drawn less often, and among the steps
+        // that are left the guide and the learner keep their shares of all.
+        let share = self.config.random * self.exploration(learner.index());
+        let steps = self.config.random_steps;
+        let random = share / (steps - share * (steps - 1.0));
         let guide = match self.config.train_policy {
-            TrainPolicy::Mix => self.config.guide,
+            TrainPolicy::Mix => self.config.guide * ((1.0 - random) / (1.0 - share)),
             TrainPolicy::Guide => 1.0,
         };
         let draw = rng.random::<f32>();
@@ -72,6 +76,11 @@ impl<const N: usize> Guide<N> {
         } else {
             Choice { decider: Decider::Learner, stage: learner }
         }
+    }
+
+    /// Whether the random action of the last step is kept for one more.
+    pub fn keeps_random(&self, rng: &mut impl Rng) -> bool {
+        self.config.random_steps > 1.0 && rng.random::<f32>() >= 1.0 / self.config.random_steps
     }
 
     /// The sub-task that is to be learned in a scene at `stage`.

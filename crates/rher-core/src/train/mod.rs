@@ -593,15 +593,26 @@ fn explore_once<const N: usize>(
     let mut rng = seed.stream(Purpose::Exploration, episode);
     let mut actor = policy.actor();
     let mut choices = Vec::with_capacity(env.spec().episode_steps);
+    let mut kept = vec![0.0; env.spec().action];
     let env_seed = seed.episode(Purpose::Environment, episode);
     let episode = rollout(env, env_seed, |view, action| {
         let asked = Instant::now();
         let stage = Stage::of(view.achieved, view.desired, &tolerances, reach_distance);
+        let random = choices.last().is_some_and(|last: &Choice<N>| last.decider == Decider::Random);
+        if random && guide.keeps_random(&mut rng) {
+            choices.push(Choice { decider: Decider::Random, stage: guide.learner(stage) });
+            action.copy_from_slice(&kept);
+            acting += asked.elapsed();
+            return;
+        }
         let choice = guide.draw(stage, &mut rng);
         choices.push(choice);
         let Choice { decider, stage } = choice;
         match decider {
-            Decider::Random => action.fill_with(|| rng.random_range(-1.0..=1.0)),
+            Decider::Random => {
+                action.fill_with(|| rng.random_range(-1.0..=1.0));
+                kept.copy_from_slice(action);
+            }
             Decider::Guide | Decider::Learner => {
                 actor.act(stage, view.observation, view.achieved, view.desired, action);
                 let deviation = guide.noise(stage);
