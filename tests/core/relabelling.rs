@@ -16,7 +16,7 @@ use rher_core::replay::Replay;
 
 const STEPS: usize = 6;
 
-fn spec(mirror: Option<Mirror>, exchanges: Vec<Exchange<2>>) -> EnvSpec<2> {
+fn spec(mirrors: Vec<Mirror>, exchanges: Vec<Exchange<2>>) -> EnvSpec<2> {
     EnvSpec {
         name: "law".to_owned(),
         variant: String::new(),
@@ -25,7 +25,7 @@ fn spec(mirror: Option<Mirror>, exchanges: Vec<Exchange<2>>) -> EnvSpec<2> {
         episode_steps: STEPS,
         subtasks: 4,
         tolerances: Tolerances::uniform(0.05),
-        mirror,
+        mirrors,
         exchanges,
     }
 }
@@ -66,7 +66,7 @@ fn relabeler(hindsight: f32, later_objects: LaterObjects, mirror: f32) -> Relabe
         observation: vec![reflect(1.0), Image { from: 1, sign: -1.0, offset: 0.2 }],
         action: vec![reflect(-1.0)],
     };
-    Relabeler::new(&config, &spec(Some(mirror), Vec::new()))
+    Relabeler::new(&config, &spec(vec![mirror], Vec::new()))
 }
 
 fn input_encoder<const N: usize>(goal_frame: GoalFrame, spec: &EnvSpec<N>) -> InputEncoder {
@@ -129,7 +129,7 @@ proptest! {
     fn rows_are_steps_of_stored_episodes(
         episodes in prop::collection::vec(episode(), 1..5), stage in 0..4_usize, seed: u64,
     ) {
-        let spec = spec(None, Vec::new());
+        let spec = spec(Vec::new(), Vec::new());
         let mut replay = Replay::new(&spec, 3 * STEPS);
         for episode in &episodes {
             replay.push(episode);
@@ -159,7 +159,7 @@ proptest! {
     fn a_row_imitates_the_sub_task_whose_turn_it_is(
         episode in episode(), stage in 0..4_usize, seed: u64,
     ) {
-        let spec = spec(None, Vec::new());
+        let spec = spec(Vec::new(), Vec::new());
         let mut replay = Replay::new(&spec, STEPS);
         replay.push(&episode);
         let encoder = input_encoder(GoalFrame::Relative, &spec);
@@ -187,7 +187,7 @@ proptest! {
 
     #[test]
     fn a_mirrored_batch_is_the_mirror_image(episode in episode(), stage in 0..4_usize, seed: u64) {
-        let spec = spec(None, Vec::new());
+        let spec = spec(Vec::new(), Vec::new());
         let mut replay = Replay::new(&spec, STEPS);
         replay.push(&episode);
         let encoder = input_encoder(GoalFrame::Absolute, &spec);
@@ -223,7 +223,7 @@ proptest! {
     fn an_exchanged_batch_is_that_of_the_exchanged_episode(
         episode in episode(), stage in 0..4_usize, seed: u64,
     ) {
-        let spec = spec(None, vec![exchange()]);
+        let spec = spec(Vec::new(), vec![exchange()]);
         let order = exchange().objects;
         // The first object takes nobody's place.
         let order = if stage < 2 { [0, 1] } else { order };
@@ -261,7 +261,7 @@ proptest! {
     fn in_order_of_turn_it_does_not_matter_which_object_is_left(
         scene in scene(), target in position(), numbers in prop::array::uniform2(-1.0_f32..1.0),
     ) {
-        let spec = spec(None, vec![exchange()]);
+        let spec = spec(Vec::new(), vec![exchange()]);
         let relay = Preset::Fast.config("law", 2).relay;
         prop_assert_eq!(relay.object_order, ObjectOrder::Turn);
         let mut encoder = InputEncoder::new(&relay, &spec);

@@ -24,7 +24,7 @@ impl EnvVisitor for Contract {
         let spec = env.spec().clone();
         assert_eq!(spec.name, task.name());
         assert!((1..=2 * N).contains(&spec.subtasks), "{task}");
-        if let Some(mirror) = &spec.mirror {
+        for mirror in &spec.mirrors {
             assert_eq!(mirror.observation.len(), spec.observation, "{task}");
             assert_eq!(mirror.action.len(), spec.action, "{task}");
         }

@@ -28,12 +28,12 @@ fn spec() -> EnvSpec<1> {
         episode_steps: STEPS,
         subtasks: 2,
         tolerances: Tolerances::uniform(0.05),
-        mirror: Some(Mirror {
+        mirrors: vec![Mirror {
             axis: 1,
             centre: 0.0,
             observation: (0..OBSERVATION).map(same).collect(),
             action: (0..ACTION).map(same).collect(),
-        }),
+        }],
         exchanges: Vec::new(),
     }
 }

@@ -21,8 +21,8 @@ pub struct EnvSpec<const N: usize> {
     pub subtasks: usize,
     /// How near counts as there.
     pub tolerances: Tolerances<N>,
-    /// The scene's plane of symmetry; `None` where it has none.
-    pub mirror: Option<Mirror>,
+    /// The scene's planes of symmetry, each perpendicular to another axis.
+    pub mirrors: Vec<Mirror>,
     /// Other orders of objects that are alike; empty where every object is of its own kind.
     pub exchanges: Vec<Exchange<N>>,
 }
@@ -38,7 +38,7 @@ impl<const N: usize> EnvSpec<N> {
             episode_steps,
             subtasks: 2 * N,
             tolerances: Tolerances::uniform(0.05),
-            mirror: None,
+            mirrors: Vec::new(),
             exchanges: Vec::new(),
         }
     }
@@ -91,6 +91,19 @@ impl Mirror {
 }
 
 impl Image {
+    /// The images under one symmetry and then another; no entries are no change.
+    pub(crate) fn then(first: &[Self], second: &[Self]) -> Vec<Self> {
+        let both = |second: &Self| match first.get(second.from) {
+            None => *second,
+            Some(Self { from, sign, offset }) => Self {
+                from: *from,
+                sign: second.sign * sign,
+                offset: second.sign * offset + second.offset,
+            },
+        };
+        second.iter().map(both).collect()
+    }
+
     /// This number of the image of `original`.
     #[inline]
     pub fn of(&self, original: &[f32]) -> f32 {

@@ -4,7 +4,9 @@ use crate::batch::Batch;
 use crate::config::{Method, RelayConfig};
 use crate::env::{EnvSpec, Exchange, Image, Mirror};
 use crate::episode::Episode;
-use crate::goal::{Achieved, Desired, EncodedGoal, LaterObjects, SUCCESS, Stage, Tolerances};
+use crate::goal::{
+    Achieved, Desired, EncodedGoal, LaterObjects, Position, SUCCESS, Scene, Stage, Tolerances,
+};
 use crate::input::InputEncoder;
 use crate::replay::{Replay, StepIndex};
 use rand::{Rng, RngExt as _};
@@ -18,7 +20,9 @@ pub struct Relabeler<const N: usize> {
     method: Method,
     hindsight: f32,
     later_objects: LaterObjects,
-    mirror: Option<(Mirror, f32)>,
+    /// Every combination of the scene's mirrors, the first being none.
+    reflections: Vec<Reflection>,
+    mirror: f32,
     /// For each object, the orders in which an earlier one has its place.
     exchanges: [Vec<Exchange<N>>; N],
     exchange: f32,
@@ -30,6 +34,14 @@ pub struct Relabeler<const N: usize> {
 /// fetched together: most of the time of a row is waiting for it.
 const AHEAD: usize = 32;
 
+/// What a scene is in some of its mirrors; in none of them it has no entries.
+#[derive(Clone, Debug, Default)]
+struct Reflection {
+    mirrors: Vec<Mirror>,
+    observation: Vec<Image>,
+    action: Vec<Image>,
+}
+
 /// What a row is to be.
 #[derive(Clone, Copy, Debug, Default)]
 struct Draw {
@@ -38,13 +50,13 @@ struct Draw {
     exchange: Option<usize>,
     /// The step whose scene is the goal, in hindsight.
     later: Option<usize>,
-    mirrored: bool,
+    /// Which of the reflections.
+    reflection: usize,
 }
 
 impl<const N: usize> Relabeler<N> {
     /// A relabeller with the shares of `config`, for environments like `spec`.
     pub fn new(config: &RelayConfig, spec: &EnvSpec<N>) -> Self {
-        let mirror = spec.mirror.clone().filter(|_| config.mirror > 0.0);
         let of_object = |object| {
             let earlier = |exchange: &&Exchange<N>| exchange.objects[object] < object;
             spec.exchanges.iter().filter(earlier).cloned().collect()
@@ -55,7 +67,8 @@ impl<const N: usize> Relabeler<N> {
             method: config.method,
             hindsight: config.hindsight,
             later_objects: config.later_objects,
-            mirror: mirror.map(|mirror| (mirror, config.mirror)),
+            reflections: Reflection::all(if config.mirror > 0.0 { &spec.mirrors } else { &[] }),
+            mirror: config.mirror,
             exchanges: array::from_fn(of_object),
             exchange: config.exchange,
             exchanged: scratch(),
@@ -126,9 +139,10 @@ impl<const N: usize> Relabeler<N> {
                 .filter(|&which| which < some),
         };
         let later = self.later(index.step, replay.steps(), rng);
-        let share = self.mirror.as_ref().map(|(_, share)| *share);
-        let mirrored = share.is_some_and(|share| rng.random::<f32>() < share);
-        Draw { index, exchange, later, mirrored }
+        let mirrors = self.reflections.len().ilog2();
+        let mirrored = (0..mirrors).map(|_| usize::from(rng.random::<f32>() < self.mirror));
+        let reflection = mirrored.fold(0, |which, mirrored| 2 * which + mirrored);
+        Draw { index, exchange, later, reflection }
     }
 
     /// Fills one row, and returns whether it is rewarded.
@@ -139,7 +153,7 @@ impl<const N: usize> Relabeler<N> {
         stage: Stage<N>,
         batch: &mut Batch,
         row: usize,
-        &Draw { index, exchange, later, mirrored }: &Draw,
+        &Draw { index, exchange, later, reflection }: &Draw,
     ) -> bool {
         let exchange = exchange.map(|which| &self.exchanges[stage.object()][which]);
         let order = exchange.map_or_else(|| array::from_fn(|object| object), |it| it.objects);
@@ -165,19 +179,19 @@ impl<const N: usize> Relabeler<N> {
         }
         let action = replay.action(index);
         let action_out = &mut batch.actions[row * batch.action..(row + 1) * batch.action];
-        match &self.mirror {
-            Some((mirror, _)) if mirrored => {
-                let [mirrored_before, mirrored_after] = &mut self.mirrored;
-                Image::apply(&mirror.observation, before, mirrored_before);
-                Image::apply(&mirror.observation, after, mirrored_after);
-                (before, after) = (mirrored_before, mirrored_after);
-                Image::apply(&mirror.action, action, action_out);
-                let image = |position| mirror.position(position);
-                goal = goal.map(image);
-                simpler = simpler.map(|goal| goal.map(image));
-                (now, next) = (now.mirrored(mirror), next.mirrored(mirror));
-            }
-            _ => action_out.copy_from_slice(action),
+        if reflection == 0 {
+            action_out.copy_from_slice(action);
+        } else {
+            let reflection = &self.reflections[reflection];
+            let [mirrored_before, mirrored_after] = &mut self.mirrored;
+            Image::apply(&reflection.observation, before, mirrored_before);
+            Image::apply(&reflection.observation, after, mirrored_after);
+            (before, after) = (mirrored_before, mirrored_after);
+            Image::apply(&reflection.action, action, action_out);
+            let image = |position| reflection.position(position);
+            goal = goal.map(image);
+            simpler = simpler.map(|goal| goal.map(image));
+            (now, next) = (now.map(image), next.map(image));
         }
         let input = row * batch.input..(row + 1) * batch.input;
         encoder.write(before, &now, &goal, &mut batch.inputs[input.clone()]);
@@ -225,13 +239,34 @@ impl<const N: usize> Relabeler<N> {
     }
 }
 
+impl Reflection {
+    /// Every combination of `mirrors`, counted in binary with the first mirror in front.
+    fn all(mirrors: &[Mirror]) -> Vec<Self> {
+        let mut all = vec![Self::default()];
+        for mirror in mirrors {
+            all = all.iter().flat_map(|one| [one.clone(), one.then(mirror)]).collect();
+        }
+        all
+    }
+
+    fn then(&self, mirror: &Mirror) -> Self {
+        Self {
+            mirrors: self.mirrors.iter().chain([mirror]).cloned().collect(),
+            observation: Image::then(&self.observation, &mirror.observation),
+            action: Image::then(&self.action, &mirror.action),
+        }
+    }
+
+    #[inline]
+    fn position(&self, position: Position) -> Position {
+        self.mirrors.iter().fold(position, |position, mirror| mirror.position(position))
+    }
+}
+
 impl<const N: usize> Achieved<N> {
-    /// The mirror image of a scene.
-    #[must_use]
-    pub fn mirrored(&self, mirror: &Mirror) -> Self {
-        let mut scene = self.0;
-        scene.gripper = mirror.position(scene.gripper);
-        scene.objects = scene.objects.map(|object| mirror.position(object));
-        Self(scene)
+    /// The same scene with every position passed through `map`: how a scene is mirrored.
+    fn map(&self, map: impl Fn(Position) -> Position) -> Self {
+        let Scene { gripper, objects } = self.0;
+        Self(Scene { gripper: map(gripper), objects: objects.map(map) })
     }
 }

@@ -237,16 +237,17 @@ impl Sink for Numbers<'_> {
     }
 }
 
-/// A [`Sink`] that learns how each number is mirrored at a plane of constant y.
+/// A [`Sink`] that learns how each number is mirrored at a plane of constant x or y.
 pub(crate) struct Reflections {
     reflections: Vec<Image>,
+    axis: usize,
     plane: f32,
 }
 
 impl Reflections {
-    /// For the plane `y = plane`, in metres.
-    pub(crate) fn new(plane: f32) -> Self {
-        Self { reflections: Vec::new(), plane }
+    /// For the plane where x (axis 0) or y (axis 1) is `plane`, in metres.
+    pub(crate) fn new(axis: usize, plane: f32) -> Self {
+        Self { reflections: Vec::new(), axis, plane }
     }
 
     /// One entry for each number of the observation.
@@ -254,35 +255,34 @@ impl Reflections {
         self.reflections
     }
 
-    fn add(&mut self, signs: [f32; 3], offset_y: f32) {
+    /// Three numbers; those along the axis that is flipped have `flipped`, the others `kept`.
+    fn add(&mut self, flipped: (f32, f32), kept: f32) {
         let from = self.reflections.len();
-        let offsets = [0.0, offset_y, 0.0];
-        self.reflections.extend(
-            (from..).zip(signs.into_iter().zip(offsets)).map(|(from, (sign, offset))| Image {
-                from,
-                sign,
-                offset,
-            }),
-        );
+        let image = |axis| {
+            let (sign, offset) = if axis == self.axis { flipped } else { (kept, 0.0) };
+            Image { from: from + axis, sign, offset }
+        };
+        self.reflections.extend([0, 1, 2].map(image));
     }
 }
 
 impl Sink for Reflections {
     fn position(&mut self, _: Position) {
-        self.add([1.0, -1.0, 1.0], 2.0 * self.plane);
+        self.add((-1.0, 2.0 * self.plane), 1.0);
     }
 
     fn vector(&mut self, _: Vector3<f32>) {
-        self.add([1.0, -1.0, 1.0], 0.0);
+        self.add((-1.0, 0.0), 1.0);
     }
 
     fn turn(&mut self, _: Vector3<f32>) {
-        self.add([-1.0, 1.0, -1.0], 0.0);
+        self.add((1.0, 0.0), -1.0);
     }
 
     fn fingers(&mut self, _: [f32; 2]) {
         let first = self.reflections.len();
-        let swapped = [first + 1, first];
+        // They open along y.
+        let swapped = if self.axis == 1 { [first + 1, first] } else { [first, first + 1] };
         self.reflections.extend(swapped.map(|from| Image { from, sign: 1.0, offset: 0.0 }));
     }
 }

@@ -8,6 +8,7 @@ use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use rher_core::env::{Env, EnvError, EnvSpec, Image, Mirror, Start};
 use rher_core::goal::{Achieved, Desired, Position, Scene, Tolerances};
+use std::iter;
 use std::marker::PhantomData;
 
 /// Numbers in an action of a hand with fingers: its displacement along x, y and z, then their
@@ -39,6 +40,10 @@ pub trait Scenario<const N: usize>: Sized + Send + 'static {
 
     /// Whether nothing but their order tells the objects apart, so that a replay may exchange them.
     const ALIKE: bool = false;
+
+    /// Whether the scene in front of the hand, as an episode begins, is like that behind it, but for
+    /// an arm that is stretched in one and folded in the other.
+    const FRONT_LIKE_BACK: bool = false;
 
     /// What can be set about this task and no other.
     const OPTIONS: &'static [TaskOption] = &[];
@@ -169,25 +174,26 @@ impl<S: Scenario<N>, const N: usize> Simulation<S, N> {
         let layout = S::draw(&mut rng);
         begin(&scenario, &layout, &options.randomize, rng, &mut world);
 
-        let mut reflections = Reflections::new(MIDDLE);
-        scenario.observe(&layout, &world, &mut reflections);
-        let observation = reflections.into_vec();
+        let mirror = |axis, centre| {
+            let mut reflections = Reflections::new(axis, centre);
+            scenario.observe(&layout, &world, &mut reflections);
+            let (observation, action) =
+                (reflections.into_vec(), mirrored_action(axis, S::ACTION_WIDTH));
+            Mirror { axis, centre, observation, action }
+        };
+        let behind = S::FRONT_LIKE_BACK.then(|| mirror(0, world.grip().position.x));
+        let mirrors: Vec<_> = iter::once(mirror(1, MIDDLE)).chain(behind).collect();
         let mut owners = Owners::new();
         scenario.observe(&layout, &world, &mut owners);
         let spec = EnvSpec {
             name: S::NAME.to_owned(),
             variant: options.to_string(),
-            observation: observation.len(),
+            observation: mirrors[0].observation.len(),
             action: S::ACTION_WIDTH,
             episode_steps: S::EPISODE_STEPS,
             subtasks: S::SUBTASKS,
             tolerances: Tolerances { gripper: S::REACH_TOLERANCE, objects: [S::TOLERANCE; N] },
-            mirror: Some(Mirror {
-                axis: 1,
-                centre: MIDDLE,
-                observation,
-                action: mirrored_action(S::ACTION_WIDTH),
-            }),
+            mirrors,
             exchanges: if S::ALIKE { owners.exchanges() } else { Vec::new() },
         };
         Self { spec, options: options.clone(), scenario, world, layout }
@@ -342,11 +348,7 @@ fn check_width(what: &'static str, expected: usize, got: usize) -> Result<(), En
     }
 }
 
-fn mirrored_action(width: usize) -> Vec<Image> {
-    [1.0, -1.0, 1.0, 1.0]
-        .into_iter()
-        .take(width)
-        .enumerate()
-        .map(|(from, sign)| Image { from, sign, offset: 0.0 })
-        .collect()
+fn mirrored_action(axis: usize, width: usize) -> Vec<Image> {
+    let sign = |from| if from == axis { -1.0 } else { 1.0 };
+    (0..width).map(|from| Image { from, sign: sign(from), offset: 0.0 }).collect()
 }

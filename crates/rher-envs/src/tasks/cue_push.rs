@@ -51,6 +51,7 @@ pub struct CuePush {
 
 impl Scenario<1> for CuePush {
     const NAME: &'static str = "cue-push";
+    const FRONT_LIKE_BACK: bool = true;
     const ACTION_WIDTH: usize = 3;
     const EPISODE_STEPS: usize = 20;
     const TOLERANCE: f32 = 0.02;

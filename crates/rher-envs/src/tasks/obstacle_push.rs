@@ -28,6 +28,7 @@ const OBSERVE_OBSTACLE: TaskOption = TaskOption::flag("observe_obstacle", true);
 
 impl Scenario<1> for ObstaclePush {
     const NAME: &'static str = "obstacle-push";
+    const FRONT_LIKE_BACK: bool = true;
     const OPTIONS: &'static [TaskOption] = &[OBSERVE_OBSTACLE];
 
     fn build() -> (Self, World) {

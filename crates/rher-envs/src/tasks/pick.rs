@@ -25,6 +25,7 @@ pub struct Pick(Blocks<1>);
 
 impl Scenario<1> for Pick {
     const NAME: &'static str = "pick";
+    const FRONT_LIKE_BACK: bool = true;
 
     fn build() -> (Self, World) {
         let (blocks, world) = Blocks::build(Fingers::Free, IN_THE_AIR);

@@ -20,6 +20,7 @@ pub struct Stack(Blocks<2>);
 
 impl Scenario<2> for Stack {
     const NAME: &'static str = "stack";
+    const FRONT_LIKE_BACK: bool = true;
     const EPISODE_STEPS: usize = 60;
     const ALIKE: bool = true;
 

@@ -20,6 +20,7 @@ pub struct TStack(Blocks<3>);
 
 impl Scenario<3> for TStack {
     const NAME: &'static str = "tstack";
+    const FRONT_LIKE_BACK: bool = true;
     const EPISODE_STEPS: usize = 70;
     const ALIKE: bool = true;
 
