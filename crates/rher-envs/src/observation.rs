@@ -239,7 +239,7 @@ impl Sink for Numbers<'_> {
 
 /// A [`Sink`] that learns how each number is mirrored at a plane of constant x or y.
 pub(crate) struct Reflections {
-    reflections: Vec<Image>,
+    images: Vec<Image>,
     axis: usize,
     plane: f32,
 }
@@ -247,22 +247,22 @@ pub(crate) struct Reflections {
 impl Reflections {
     /// For the plane where x (axis 0) or y (axis 1) is `plane`, in metres.
     pub(crate) fn new(axis: usize, plane: f32) -> Self {
-        Self { reflections: Vec::new(), axis, plane }
+        Self { images: Vec::new(), axis, plane }
     }
 
     /// One entry for each number of the observation.
     pub(crate) fn into_vec(self) -> Vec<Image> {
-        self.reflections
+        self.images
     }
 
     /// Three numbers; those along the axis that is flipped have `flipped`, the others `kept`.
     fn add(&mut self, flipped: (f32, f32), kept: f32) {
-        let from = self.reflections.len();
+        let from = self.images.len();
         let image = |axis| {
             let (sign, offset) = if axis == self.axis { flipped } else { (kept, 0.0) };
             Image { from: from + axis, sign, offset }
         };
-        self.reflections.extend([0, 1, 2].map(image));
+        self.images.extend([0, 1, 2].map(image));
     }
 }
 
@@ -280,10 +280,10 @@ impl Sink for Reflections {
     }
 
     fn fingers(&mut self, _: [f32; 2]) {
-        let first = self.reflections.len();
+        let first = self.images.len();
         // They open along y.
         let swapped = if self.axis == 1 { [first + 1, first] } else { [first, first + 1] };
-        self.reflections.extend(swapped.map(|from| Image { from, sign: 1.0, offset: 0.0 }));
+        self.images.extend(swapped.map(|from| Image { from, sign: 1.0, offset: 0.0 }));
     }
 }
 

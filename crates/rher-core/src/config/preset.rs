@@ -140,6 +140,7 @@ fn fast(paper: TrainConfig, objects: usize) -> TrainConfig {
             ..paper.relay
         },
         exploration: ExplorationConfig {
+            random_steps: if single { 1.0 } else { 4.0 },
             window: if single { paper.exploration.window } else { 5 },
             ..paper.exploration
         },

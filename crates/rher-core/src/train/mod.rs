@@ -188,7 +188,7 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
             action: spec.action,
             reach_distance: config.relay.reach_distance,
         };
-        let encoder = InputEncoder::new(&config.relay, &spec);
+        let encoder = InputEncoder::new(&config.relay, spec);
         let mut rng = Seed(config.seed).stream(Purpose::Init, 0);
         let learner = LearnerState::new(&config.agent, encoder.width(), spec.action, &mut rng);
         let state = RunState {
