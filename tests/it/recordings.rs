@@ -277,6 +277,23 @@ fn bad_recordings_are_told_apart() {
     }
 }
 
+/// Whatever a flipped bit says, be it how long a record is, it is told and not obeyed.
+#[test]
+fn no_flipped_bit_brings_the_reader_down() {
+    let rher = recorded("push", "");
+    let path = rher.path("out.mcap");
+    let bytes = std::fs::read(&path).unwrap();
+    let mut told = 0;
+    let places = (8..bytes.len()).step_by(bytes.len() / 150);
+    for place in places.clone() {
+        let mut damaged = bytes.clone();
+        damaged[place] ^= 0x40;
+        std::fs::write(&path, damaged).unwrap();
+        told += usize::from(rher_record::Recording::read(&path).is_err());
+    }
+    assert!(told > places.len() / 2, "{told} of {}", places.len());
+}
+
 #[test]
 fn a_recording_that_cannot_be_made_leaves_nothing_behind() {
     let rher = recorded("push", "");

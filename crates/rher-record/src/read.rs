@@ -2,13 +2,17 @@
 
 use crate::about::{About, AboutError, RECORD};
 use crate::message::{Action, Begin, Frame, Topic};
-use mcap::read::{ChunkFlattener, Options};
 use mcap::records::Record;
+use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use mcap::{MAGIC, McapError};
 use rher_core::script::{Decision, Script};
 use std::collections::HashMap;
-use std::io;
+use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
+
+/// Longest record or chunk that is read, in bytes: the lengths in a damaged file ask for memory
+/// that nobody has. Those that are written are a hundredth of it.
+const LONGEST_RECORD: usize = 1 << 28;
 
 /// A recording, read back.
 #[derive(Clone, Debug)]
@@ -139,32 +143,48 @@ struct Contents {
 }
 
 impl Contents {
-    fn read(&mut self, bytes: &[u8]) -> Result<(), McapError> {
-        let options = Options::IgnoreEndMagic.into();
-        for record in ChunkFlattener::new_with_options(bytes, options)? {
-            match record? {
-                Record::Metadata(metadata) if metadata.name == RECORD => {
-                    self.about = Some(About::from_record(&metadata.metadata));
+    fn read(&mut self, mut bytes: &[u8]) -> Result<(), McapError> {
+        let options = LinearReaderOptions::default()
+            .with_skip_end_magic(true)
+            .with_validate_chunk_crcs(true)
+            .with_record_length_limit(LONGEST_RECORD);
+        let mut reader = LinearReader::new_with_options(options);
+        while let Some(event) = reader.next_event() {
+            match event? {
+                LinearReadEvent::ReadRequest(wanted) => {
+                    let read = bytes.read(reader.insert(wanted))?;
+                    reader.notify_read(read);
                 }
-                Record::Channel(channel) => {
-                    let topic = Topic::ALL.into_iter().find(|topic| topic.name() == channel.topic);
-                    self.topics.extend(topic.map(|topic| (channel.id, topic)));
+                LinearReadEvent::Record { data, opcode } => {
+                    self.take(mcap::parse_record(opcode, data)?);
                 }
-                Record::Message { header, data } => {
-                    // Whoever copies a recording may have added topics.
-                    let Some(&topic) = self.topics.get(&header.channel_id) else { continue };
-                    let sent = Sent { time: header.log_time, topic, bytes: data.into_owned() };
-                    if topic == Topic::Begin {
-                        self.episodes.push(Vec::new());
-                    }
-                    if let Some(episode) = self.episodes.last_mut() {
-                        episode.push(sent);
-                    }
-                }
-                _ => {}
             }
         }
         Ok(())
+    }
+
+    fn take(&mut self, record: Record<'_>) {
+        match record {
+            Record::Metadata(metadata) if metadata.name == RECORD => {
+                self.about = Some(About::from_record(&metadata.metadata));
+            }
+            Record::Channel(channel) => {
+                let topic = Topic::ALL.into_iter().find(|topic| topic.name() == channel.topic);
+                self.topics.extend(topic.map(|topic| (channel.id, topic)));
+            }
+            Record::Message { header, data } => {
+                // Whoever copies a recording may have added topics.
+                let Some(&topic) = self.topics.get(&header.channel_id) else { return };
+                let sent = Sent { time: header.log_time, topic, bytes: data.into_owned() };
+                if topic == Topic::Begin {
+                    self.episodes.push(Vec::new());
+                }
+                if let Some(episode) = self.episodes.last_mut() {
+                    episode.push(sent);
+                }
+            }
+            _ => {}
+        }
     }
 
     fn whole(&self) -> usize {
