@@ -96,6 +96,7 @@ fn recipe(task: Task) -> Option<&'static str> {
     match task {
         Task::Reach => Some(include_str!("../../../recipes/reach.toml")),
         Task::Slide => Some(include_str!("../../../recipes/slide.toml")),
+        Task::ObstaclePush => Some(include_str!("../../../recipes/obstacle-push.toml")),
         Task::CuePush => Some(include_str!("../../../recipes/cue-push.toml")),
         _ => None,
     }
