@@ -38,7 +38,8 @@ pub trait Scenario<const N: usize>: Sized + Send + 'static {
     /// How near the gripper counts as at an object, in metres.
     const REACH_TOLERANCE: f32 = Self::TOLERANCE;
 
-    /// Whether nothing but their order tells the objects apart, so that a replay may exchange them.
+    /// Whether nothing but their order tells the objects apart, so that a replay may exchange them
+    /// and networks see them in order of turn.
     const ALIKE: bool = false;
 
     /// Whether the scene in front of the hand, as an episode begins, is like that behind it, but for

@@ -120,8 +120,8 @@ fn paper(task: &str, objects: usize) -> TrainConfig {
 ///
 /// One object: as many updates as its two sub-tasks make in the paper. More: fewer updates for
 /// more data, a smaller action penalty and layer normalisation, which the longer sub-tasks need,
-/// imitation of the simpler sub-tasks, more rows for those that still fail, and a guide that moves
-/// on sooner.
+/// alike objects in order of turn, imitation of the simpler sub-tasks, more rows for those that
+/// still fail, random actions that are kept for a few steps, and a guide that moves on sooner.
 fn fast(paper: TrainConfig, objects: usize) -> TrainConfig {
     let single = objects == 1;
     TrainConfig {
