@@ -1,5 +1,7 @@
 //! The loop: explore, store, relabel, update, evaluate, and from the top.
 
+mod play;
+mod rows;
 mod tally;
 
 use crate::agent::config::{AgentConfig, EngineKind, TargetEvery};
@@ -11,19 +13,21 @@ use crate::batch::Batch;
 use crate::checkpoint::{self, CheckpointError};
 use crate::config::{BatchMode, ConfigError, Method, ReplayConfig, TrainConfig};
 use crate::env::Env;
-use crate::episode::{Episode, RolloutError, rollout};
+use crate::episode::{Episode, RolloutError};
 use crate::evaluate::{EvaluateError, Evaluation, evaluate};
 use crate::event::{Event, Observer, ObserverError, Progress, Seconds};
-use crate::explore::{Choice, Curriculum, Decider, Guide};
+use crate::explore::{Choice, Curriculum, Guide};
 use crate::goal::Stage;
 use crate::input::InputEncoder;
 use crate::relabel::Relabeler;
 use crate::replay::Replay;
 use crate::script::{Decision, Script};
 use crate::seed::{Purpose, Seed};
+use play::{Played, explore_once};
 use rand::RngExt as _;
 use rand_distr::StandardNormal;
 use rayon::prelude::*;
+use rows::SubtaskBatch;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use std::path::Path;
@@ -138,33 +142,6 @@ pub struct Trainer<const N: usize, E> {
     engine: Box<dyn Engine>,
     actor_shape: Shape,
     policy: Policy,
-}
-
-/// The rows of one update, some for each of its sub-tasks.
-struct SubtaskBatch<const N: usize> {
-    stages: Vec<Stage<N>>,
-    batch: Batch,
-}
-
-impl<const N: usize> SubtaskBatch<N> {
-    /// Which rows are whose: `focus` of them by how often a sub-task still fails, the others
-    /// evenly.
-    fn rows(&self, focus: f32, curriculum: &Curriculum) -> Vec<Range<usize>> {
-        let failing = |stage: &Stage<N>| 1.0 - curriculum.rate(stage.index());
-        let failures: f32 = self.stages.iter().map(failing).sum();
-        let focus = if failures > 0.0 { focus } else { 0.0 };
-        let even = (1.0 - focus) / self.stages.len() as f32;
-        let of_failures = focus / failures.max(f32::MIN_POSITIVE);
-        let (mut share, mut start) = (0.0, 0);
-        let mut rows = Vec::with_capacity(self.stages.len());
-        for stage in &self.stages {
-            share += even + of_failures * failing(stage);
-            let end = (share * self.batch.rows() as f32).round() as usize;
-            rows.push(start..end);
-            start = end;
-        }
-        rows
-    }
 }
 
 impl<const N: usize, E: Env<N>> Trainer<N, E> {
@@ -563,90 +540,4 @@ fn first<'a, const N: usize, E: Env<N>>(
 
 fn about_last<const N: usize>(about: &About) -> Stage<N> {
     Stage::from_index(about.subtasks - 1).unwrap_or(Stage::FIRST)
-}
-
-/// A training episode and what it took.
-struct Played<const N: usize> {
-    /// Seed of its environment.
-    seed: u64,
-    episode: Episode<N>,
-    /// `[T]`.
-    choices: Vec<Choice<N>>,
-    /// Choosing actions.
-    acting: Duration,
-    /// All of it.
-    playing: Duration,
-}
-
-/// Plays one episode as eq. 10 has it, and notes who acted.
-fn explore_once<const N: usize>(
-    env: &mut impl Env<N>,
-    policy: &Policy,
-    guide: &Guide<N>,
-    seed: Seed,
-    episode: u64,
-) -> Result<Played<N>, RolloutError> {
-    let started = Instant::now();
-    let mut acting = Duration::ZERO;
-    let tolerances = env.spec().tolerances;
-    let reach_distance = policy.about().reach_distance;
-    let mut rng = seed.stream(Purpose::Exploration, episode);
-    let mut actor = policy.actor();
-    let mut choices = Vec::with_capacity(env.spec().episode_steps);
-    let mut kept = vec![0.0; env.spec().action];
-    let env_seed = seed.episode(Purpose::Environment, episode);
-    let episode = rollout(env, env_seed, |view, action| {
-        let asked = Instant::now();
-        let stage = Stage::of(view.achieved, view.desired, &tolerances, reach_distance);
-        let random = choices.last().is_some_and(|last: &Choice<N>| last.decider == Decider::Random);
-        if random && guide.keeps_random(&mut rng) {
-            choices.push(Choice { decider: Decider::Random, stage: guide.learner(stage) });
-            action.copy_from_slice(&kept);
-            acting += asked.elapsed();
-            return;
-        }
-        let choice = guide.draw(stage, &mut rng);
-        choices.push(choice);
-        let Choice { decider, stage } = choice;
-        match decider {
-            Decider::Random => {
-                action.fill_with(|| rng.random_range(-1.0..=1.0));
-                kept.copy_from_slice(action);
-            }
-            Decider::Guide | Decider::Learner => {
-                actor.act(stage, view.observation, view.achieved, view.desired, action);
-                let deviation = guide.noise(stage);
-                for action in action {
-                    let draw: f32 = rng.sample(StandardNormal);
-                    *action = (*action + deviation * draw).clamp(-1.0, 1.0);
-                }
-            }
-        }
-        acting += asked.elapsed();
-    })?;
-    Ok(Played { seed: env_seed, episode, choices, acting, playing: started.elapsed() })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::config::Preset;
-
-    #[test]
-    fn sub_tasks_that_fail_get_more_rows_and_all_get_some() {
-        let stages: Vec<Stage<2>> = Stage::all().collect();
-        let batch = SubtaskBatch { stages, batch: Batch::zeros(400, 1, 1) };
-        let mut curriculum = Curriculum::new(&Preset::Fast.config("rows", 2).exploration, 4);
-        let even = vec![0..100, 100..200, 200..300, 300..400];
-        assert_eq!(batch.rows(0.5, &curriculum), even, "all fail alike");
-        for _ in 0..10 {
-            curriculum.record(&[Some(1.0), Some(1.0), Some(0.75), Some(0.25)]);
-        }
-        assert_eq!(batch.rows(0.0, &curriculum), even);
-        assert_eq!(batch.rows(0.5, &curriculum), [0..50, 50..100, 100..200, 200..400]);
-        for _ in 0..10 {
-            curriculum.record(&[Some(1.0); 4]);
-        }
-        assert_eq!(batch.rows(0.5, &curriculum), even, "nothing fails");
-    }
 }

@@ -1,0 +1,73 @@
+//! Plays an episode of training: chooses who acts, and acts.
+
+use crate::agent::policy::Policy;
+use crate::env::Env;
+use crate::episode::{Episode, RolloutError, rollout};
+use crate::explore::{Choice, Decider, Guide};
+use crate::goal::Stage;
+use crate::seed::{Purpose, Seed};
+use rand::RngExt as _;
+use rand_distr::StandardNormal;
+use std::time::{Duration, Instant};
+
+/// A training episode and what it took.
+pub(super) struct Played<const N: usize> {
+    /// Seed of its environment.
+    pub(super) seed: u64,
+    pub(super) episode: Episode<N>,
+    /// `[T]`.
+    pub(super) choices: Vec<Choice<N>>,
+    /// Choosing actions.
+    pub(super) acting: Duration,
+    /// All of it.
+    pub(super) playing: Duration,
+}
+
+/// Plays one episode as eq. 10 has it, and notes who acted.
+pub(super) fn explore_once<const N: usize>(
+    env: &mut impl Env<N>,
+    policy: &Policy,
+    guide: &Guide<N>,
+    seed: Seed,
+    episode: u64,
+) -> Result<Played<N>, RolloutError> {
+    let started = Instant::now();
+    let mut acting = Duration::ZERO;
+    let tolerances = env.spec().tolerances;
+    let reach_distance = policy.about().reach_distance;
+    let mut rng = seed.stream(Purpose::Exploration, episode);
+    let mut actor = policy.actor();
+    let mut choices = Vec::with_capacity(env.spec().episode_steps);
+    let mut kept = vec![0.0; env.spec().action];
+    let env_seed = seed.episode(Purpose::Environment, episode);
+    let episode = rollout(env, env_seed, |view, action| {
+        let asked = Instant::now();
+        let stage = Stage::of(view.achieved, view.desired, &tolerances, reach_distance);
+        let random = choices.last().is_some_and(|last: &Choice<N>| last.decider == Decider::Random);
+        if random && guide.keeps_random(&mut rng) {
+            choices.push(Choice { decider: Decider::Random, stage: guide.learner(stage) });
+            action.copy_from_slice(&kept);
+            acting += asked.elapsed();
+            return;
+        }
+        let choice = guide.draw(stage, &mut rng);
+        choices.push(choice);
+        let Choice { decider, stage } = choice;
+        match decider {
+            Decider::Random => {
+                action.fill_with(|| rng.random_range(-1.0..=1.0));
+                kept.copy_from_slice(action);
+            }
+            Decider::Guide | Decider::Learner => {
+                actor.act(stage, view.observation, view.achieved, view.desired, action);
+                let deviation = guide.noise(stage);
+                for action in action {
+                    let draw: f32 = rng.sample(StandardNormal);
+                    *action = (*action + deviation * draw).clamp(-1.0, 1.0);
+                }
+            }
+        }
+        acting += asked.elapsed();
+    })?;
+    Ok(Played { seed: env_seed, episode, choices, acting, playing: started.elapsed() })
+}
