@@ -288,6 +288,34 @@ proptest! {
     }
 }
 
+/// The first object ends 4 cm beside its target, where 5 cm are allowed.
+#[test]
+fn training_can_ask_for_more_than_the_task() {
+    let spec = spec(Vec::new(), Vec::new());
+    let scene = |x| {
+        let objects = [Position::new(x, 0.0, 0.0), Position::origin()];
+        Achieved(Scene { gripper: Position::origin(), objects })
+    };
+    let mut replay = Replay::new(&spec, STEPS);
+    replay.push(&Episode {
+        desired: Desired::of_task([Position::origin(); 2]),
+        achieved: vec![scene(0.04); STEPS + 1],
+        observations: vec![0.0; 2 * (STEPS + 1)],
+        actions: vec![0.0; STEPS],
+    });
+    let rewarded = |tolerance| {
+        let relay =
+            RelayConfig { tolerance, hindsight: 0.0, ..Preset::Paper.config("law", 2).relay };
+        let encoder = InputEncoder::new(&relay, &spec);
+        let mut batch = Batch::zeros(8, encoder.width(), 1);
+        let mut rng = ChaCha8Rng::seed_from_u64(0);
+        let stage = Stage::place(0);
+        Relabeler::new(&relay, &spec).draw(&replay, &encoder, stage, &mut batch, 0..8, &mut rng)
+    };
+    assert_eq!(rewarded(1.0), 8);
+    assert_eq!(rewarded(0.7), 0, "3.5 cm are allowed");
+}
+
 #[test]
 fn a_blank_slot_is_a_flag_that_no_position_can_be_taken_for() {
     let now = Achieved(Scene {

@@ -34,7 +34,7 @@ pub const CHECKPOINT_FOLDER: &str = "checkpoint";
 const CURRENT: &str = "current.ckpt";
 const PREVIOUS: &str = "previous.ckpt";
 const MAGIC: [u8; 8] = *b"RHERCKPT";
-const VERSION: u32 = 4;
+const VERSION: u32 = 5;
 const HEADER: usize = MAGIC.len() + 4 + 8 + 4;
 const EPISODES_PER_FILE: u64 = 1000;
 

@@ -30,7 +30,8 @@ pub struct InputEncoder {
 impl InputEncoder {
     /// An encoder without statistics, for environments like `spec`.
     pub fn new<const N: usize>(config: &RelayConfig, spec: &EnvSpec<N>) -> Self {
-        let turns = (config.object_order == ObjectOrder::Turn).then(|| Turns::new(spec));
+        let turns = (config.object_order == ObjectOrder::Turn)
+            .then(|| Turns::new(spec, &config.tolerances(spec)));
         Self {
             frame: config.goal_frame,
             observation: Normalizer::new(spec.observation),

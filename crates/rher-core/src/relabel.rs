@@ -63,7 +63,7 @@ impl<const N: usize> Relabeler<N> {
         };
         let scratch = || [vec![0.0; spec.observation], vec![0.0; spec.observation]];
         Self {
-            tolerances: spec.tolerances,
+            tolerances: config.tolerances(spec),
             method: config.method,
             hindsight: config.hindsight,
             later_objects: config.later_objects,

@@ -1,7 +1,7 @@
 //! Whose turn it is: the order in which the networks see objects that are alike.
 
 use crate::env::{EnvSpec, Image};
-use crate::goal::{Achieved, EncodedGoal};
+use crate::goal::{Achieved, EncodedGoal, Tolerances};
 use serde::{Deserialize, Serialize};
 use std::{array, iter};
 
@@ -25,13 +25,16 @@ pub(crate) fn order<const N: usize>(first: usize) -> [usize; N] {
 
 impl Turns {
     /// For environments like `spec`; `None` where no two objects are alike.
-    pub(crate) fn new<const N: usize>(spec: &EnvSpec<N>) -> Option<Self> {
+    pub(crate) fn new<const N: usize>(
+        spec: &EnvSpec<N>,
+        tolerances: &Tolerances<N>,
+    ) -> Option<Self> {
         let exchange = |first| spec.exchanges.iter().find(|it| it.objects == order(first));
         let others = (1..N).map(|first| exchange(first).map(|it| it.observation.clone()));
         let others = others.collect::<Option<Vec<_>>>().filter(|others| !others.is_empty())?;
         let same = (0..spec.observation).map(|from| Image { from, sign: 1.0, offset: 0.0 });
         let observations = iter::once(same.collect()).chain(others).collect();
-        Some(Self { tolerances: spec.tolerances.objects.to_vec(), observations })
+        Some(Self { tolerances: tolerances.objects.to_vec(), observations })
     }
 
     /// How many objects take turns.

@@ -97,6 +97,7 @@ fn recipe(task: Task) -> Option<&'static str> {
         Task::Reach => Some(include_str!("../../../recipes/reach.toml")),
         Task::Slide => Some(include_str!("../../../recipes/slide.toml")),
         Task::ObstaclePush => Some(include_str!("../../../recipes/obstacle-push.toml")),
+        Task::TStack => Some(include_str!("../../../recipes/tstack.toml")),
         Task::CuePush => Some(include_str!("../../../recipes/cue-push.toml")),
         _ => None,
     }

@@ -7,7 +7,8 @@ pub use preset::Preset;
 pub use validate::ConfigError;
 
 use crate::agent::config::AgentConfig;
-use crate::goal::LaterObjects;
+use crate::env::EnvSpec;
+use crate::goal::{LaterObjects, Tolerances};
 use serde::{Deserialize, Serialize};
 
 /// Version of the settings' format; a file of another version is refused.
@@ -97,6 +98,10 @@ pub struct RelayConfig {
     /// The paper's d: how near the gripper must be to an object for it to count as reached when
     /// the stage is told (eq. 6), in metres.
     pub reach_distance: f32,
+    /// Share of an environment's tolerance within which training has an object in its place, in
+    /// rewards, stages and turns. Evaluations use the whole: below 1, training asks for more.
+    #[serde(default = "whole")]
+    pub tolerance: f32,
     /// Share of transitions that are replayed with a goal reached later in their episode.
     pub hindsight: f32,
     /// What hindsight asks of objects that a sub-task leaves alone.
@@ -112,6 +117,19 @@ pub struct RelayConfig {
     /// is like it: what is learned of the first object is learned of all.
     #[serde(default)]
     pub exchange: f32,
+}
+
+/// What runs had before there was a choice.
+fn whole() -> f32 {
+    1.0
+}
+
+impl RelayConfig {
+    /// How near counts as there, in training in environments like `spec`.
+    pub fn tolerances<const N: usize>(&self, spec: &EnvSpec<N>) -> Tolerances<N> {
+        let Tolerances { gripper, objects } = spec.tolerances;
+        Tolerances { gripper, objects: objects.map(|tolerance| self.tolerance * tolerance) }
+    }
 }
 
 /// Which policy acts before the object is reached: the cases of the paper's Table I.

@@ -63,6 +63,7 @@ fn paper(task: &str, objects: usize) -> TrainConfig {
         relay: RelayConfig {
             method: Method::Rher,
             reach_distance: if single { 0.03 } else { 0.05 },
+            tolerance: 1.0,
             hindsight: 0.8,
             later_objects: LaterObjects::Now,
             goal_frame: GoalFrame::Absolute,

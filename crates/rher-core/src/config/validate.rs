@@ -31,6 +31,8 @@ impl TrainConfig {
         at_least("envs", *envs, 1, "at least 1")?;
 
         positive("relay.reach_distance", relay.reach_distance, true)?;
+        positive("relay.tolerance", relay.tolerance, false)?;
+        share("relay.tolerance", relay.tolerance)?;
         share("relay.hindsight", relay.hindsight)?;
         share("relay.mirror", relay.mirror)?;
         share("relay.exchange", relay.exchange)?;

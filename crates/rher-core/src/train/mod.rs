@@ -345,6 +345,7 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
         let seed = Seed(config.seed);
         let count = config.envs;
         let guide = Guide::new(config, about.subtasks, curriculum);
+        let tolerances = config.relay.tolerances(self.envs[0].spec());
         let policy = &self.policy;
         let envs = &mut self.envs[..count];
         let played = self.pool.install(|| {
@@ -352,7 +353,7 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
                 .enumerate()
                 .map(|(index, env)| {
                     let episode = episodes + index as u64;
-                    explore_once(env, policy, &guide, seed, episode)
+                    explore_once(env, policy, &guide, &tolerances, seed, episode)
                         .map_err(|source| TrainError::Rollout { episode, source })
                 })
                 .collect::<Result<Vec<_>, _>>()

@@ -4,7 +4,7 @@ use crate::agent::policy::Policy;
 use crate::env::Env;
 use crate::episode::{Episode, RolloutError, rollout};
 use crate::explore::{Choice, Decider, Guide};
-use crate::goal::Stage;
+use crate::goal::{Stage, Tolerances};
 use crate::seed::{Purpose, Seed};
 use rand::RngExt as _;
 use rand_distr::StandardNormal;
@@ -28,12 +28,12 @@ pub(super) fn explore_once<const N: usize>(
     env: &mut impl Env<N>,
     policy: &Policy,
     guide: &Guide<N>,
+    tolerances: &Tolerances<N>,
     seed: Seed,
     episode: u64,
 ) -> Result<Played<N>, RolloutError> {
     let started = Instant::now();
     let mut acting = Duration::ZERO;
-    let tolerances = env.spec().tolerances;
     let reach_distance = policy.about().reach_distance;
     let mut rng = seed.stream(Purpose::Exploration, episode);
     let mut actor = policy.actor();
@@ -42,7 +42,7 @@ pub(super) fn explore_once<const N: usize>(
     let env_seed = seed.episode(Purpose::Environment, episode);
     let episode = rollout(env, env_seed, |view, action| {
         let asked = Instant::now();
-        let stage = Stage::of(view.achieved, view.desired, &tolerances, reach_distance);
+        let stage = Stage::of(view.achieved, view.desired, tolerances, reach_distance);
         let random = choices.last().is_some_and(|last: &Choice<N>| last.decider == Decider::Random);
         if random && guide.keeps_random(&mut rng) {
             choices.push(Choice { decider: Decider::Random, stage: guide.learner(stage) });
