@@ -15,7 +15,7 @@ const HASHES: &[(Task, u64)] = &[
     (Task::Pick, 0xdd1a_c71f_2638_d257),
     (Task::Slide, 0x9ca2_863a_1ce6_0474),
     (Task::Insert, 0x700c_7359_fb9f_5ca2),
-    (Task::ObstaclePush, 0xaa0a_636a_fcf9_7ddc),
+    (Task::ObstaclePush, 0x162a_682a_8cb5_1d96),
     (Task::CuePush, 0x345c_028a_2ecc_31b0),
     (Task::DPush, 0x961b_404b_843f_21e9),
     (Task::Stack, 0xbed2_fa58_e79d_9fc3),

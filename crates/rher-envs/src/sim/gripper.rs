@@ -5,7 +5,7 @@
 //! after it by a force with an upper limit, so that whatever is in the way stays in one piece.
 
 use super::looks::{Look, METAL, Solid};
-use super::scenery::with_friction;
+use super::scenery::rough;
 use super::{nalgebra, point};
 use ::nalgebra::{ComplexField, Vector3};
 use rapier3d::prelude::{
@@ -208,7 +208,7 @@ impl Gripper {
             colliders.insert_with_parent(shape.mass(mass), body, bodies);
             body
         };
-        let finger = |half: Vector| with_friction(ColliderBuilder::cuboid(half.x, half.y, half.z));
+        let finger = |half: Vector| rough(ColliderBuilder::cuboid(half.x, half.y, half.z));
         let hand = match fingers {
             Fingers::Locked => {
                 let half = Vector::new(FINGER_HALF.x, FINGER_OFFSET + FINGER_HALF.y, FINGER_HALF.z);

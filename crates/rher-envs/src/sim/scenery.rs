@@ -53,6 +53,10 @@ const WOOD_ON_WOOD: f32 = 0.4;
 /// Half the edges of the obstacle, in metres.
 pub(crate) const OBSTACLE_HALF: [f32; 3] = [0.01, 0.04, 0.025];
 
+/// Coefficient of friction of the obstacle: with 1, a hand that presses on it is caught, which
+/// `MuJoCo`'s soft contacts let slide along it.
+const OBSTACLE_FRICTION: f32 = 0.1;
+
 /// Metres.
 pub(crate) const PLATE_HEIGHT: f32 = 0.08;
 
@@ -90,7 +94,7 @@ impl Scenery {
     fn cube(&mut self, body: RigidBodyBuilder, mass: f32) -> Body {
         let half = BLOCK_EDGE / 2.0;
         let body = self.bodies.insert(body.can_sleep(false));
-        let cube = with_friction(ColliderBuilder::cuboid(half, half, half)).mass(mass);
+        let cube = rough(ColliderBuilder::cuboid(half, half, half)).mass(mass);
         self.colliders.insert_with_parent(cube, body, &mut self.bodies);
         self.loose(body)
     }
@@ -118,7 +122,7 @@ impl Scenery {
     /// The table of Slide: its top is 0.4 m high, and slippery.
     pub(crate) fn slide_table(&mut self) {
         let half = Vector::new(0.625, 0.45, 0.2);
-        self.table_of(Vector::new(1.3244, 0.7502, 0.2), half, |top| top.friction(SLIPPERY));
+        self.table_of(Vector::new(1.3244, 0.7502, 0.2), half, slippery);
     }
 
     /// The table of Insert: its top is 0.36 m high.
@@ -129,10 +133,9 @@ impl Scenery {
     /// A slippery disc of 5 cm across, 4 cm high, 2 kg.
     pub(crate) fn puck(&mut self) -> Body {
         let body = self.bodies.insert(RigidBodyBuilder::dynamic().can_sleep(false));
-        let disc = ColliderBuilder::cylinder(PUCK_HEIGHT / 2.0, PUCK_RADIUS)
+        let disc = slippery(ColliderBuilder::cylinder(PUCK_HEIGHT / 2.0, PUCK_RADIUS))
             // The axis of Rapier's cylinders is y.
             .rotation(Vector::X * FRAC_PI_2)
-            .friction(SLIPPERY)
             .mass(PUCK_MASS);
         self.colliders.insert_with_parent(disc, body, &mut self.bodies);
         self.show("puck", Body(body), &[object_colour(0)]);
@@ -173,7 +176,9 @@ impl Scenery {
     pub(crate) fn obstacle(&mut self) -> Body {
         let body = self.bodies.insert(RigidBodyBuilder::fixed());
         let [x, y, z] = OBSTACLE_HALF;
-        let cuboid = with_friction(ColliderBuilder::cuboid(x, y, z));
+        let cuboid = ColliderBuilder::cuboid(x, y, z)
+            .friction(OBSTACLE_FRICTION)
+            .friction_combine_rule(CoefficientCombineRule::Min);
         self.colliders.insert_with_parent(cuboid, body, &mut self.bodies);
         self.show("obstacle", Body(body), &[FURNITURE]);
         Body(body)
@@ -223,5 +228,15 @@ impl Scenery {
 
 /// Friction 1 wherever this touches, unless the other side has more: `MuJoCo`'s rule.
 pub(super) fn with_friction(collider: ColliderBuilder) -> ColliderBuilder {
-    collider.friction(1.0).friction_combine_rule(CoefficientCombineRule::Max)
+    rough(collider).friction_combine_rule(CoefficientCombineRule::Max)
+}
+
+/// Friction 1 against its like; what else it touches has the say.
+pub(super) fn rough(collider: ColliderBuilder) -> ColliderBuilder {
+    collider.friction(1.0)
+}
+
+/// Little friction, unless the other side has more.
+fn slippery(collider: ColliderBuilder) -> ColliderBuilder {
+    collider.friction(SLIPPERY).friction_combine_rule(CoefficientCombineRule::Max)
 }

@@ -15,8 +15,9 @@ const SPREAD: f32 = 0.15;
 /// Push a block to a place on the table, round an obstacle.
 ///
 /// `push` with a box that nothing moves halfway between where hand and block start, as in the
-/// authors' `FetchObsPush`; three numbers more in the observation say where. Here the box is in
-/// neither of them: such places are drawn again.
+/// authors' `FetchObsPush`; three numbers more in the observation say where, seen from the hand,
+/// which is easier to learn from than the authors' place in the world. Here the box is in neither of
+/// them: such places are drawn again.
 pub struct ObstaclePush {
     block: Body,
     obstacle: Body,
@@ -64,7 +65,7 @@ impl Scenario<1> for ObstaclePush {
     fn observe(&self, layout: &Layout<1>, world: &World, out: &mut impl Sink) {
         gripper_and_object(&world.grip(), &world.motion(self.block), out);
         if self.shows_obstacle {
-            out.position(obstacle(layout.objects[0]));
+            out.vector(obstacle(layout.objects[0]) - world.grip().position);
         } else {
             out.vector(Vector3::zeros());
         }
