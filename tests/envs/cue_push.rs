@@ -1,7 +1,9 @@
 //! The cue and the cylinder of `CuePush`.
 
-use crate::support::{Stand, at_height, flat, seen_clearly, solved};
+use crate::support::{Stand, at_height, flat, random_action, seen_clearly, solved};
 use nalgebra::Vector3;
+use rand::SeedableRng as _;
+use rand_chacha::ChaCha8Rng;
 use rher_core::env::Env as _;
 use rher_core::goal::Position;
 use rher_envs::tasks::CuePush;
@@ -182,6 +184,19 @@ fn the_cue_does_not_pass_through_the_cylinder() {
             cue.step([0.0, 1.0, 0.0, 0.0]);
             let apart = flat(cue.block() - cue.scene.gripper).norm();
             assert!(apart > TOUCHING - 0.003, "{aside}: {apart} m apart");
+        }
+    }
+}
+
+#[test]
+fn the_cylinder_stays_upright_whatever_the_cue_does() {
+    let mut cue = clear_cue_push();
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    for seed in 0..200 {
+        cue.reset(seed);
+        for _ in 0..5 {
+            cue.repeat(4, random_action(&mut rng));
+            assert!(cue.block().z < 0.42, "{seed}: its middle is at {}", cue.block());
         }
     }
 }

@@ -16,7 +16,7 @@ const HASHES: &[(Task, u64)] = &[
     (Task::Slide, 0x9ca2_863a_1ce6_0474),
     (Task::Insert, 0x700c_7359_fb9f_5ca2),
     (Task::ObstaclePush, 0x162a_682a_8cb5_1d96),
-    (Task::CuePush, 0x345c_028a_2ecc_31b0),
+    (Task::CuePush, 0xa93a_30f7_2036_5f68),
     (Task::DPush, 0x961b_404b_843f_21e9),
     (Task::Stack, 0xbed2_fa58_e79d_9fc3),
     (Task::TPush, 0x0de5_6f06_48f9_19a2),
