@@ -180,6 +180,7 @@ fn a_hand_that_presses_on_the_obstacle_slides_along_it() {
         let before = stand.scene.gripper;
         stand.repeat(2, action);
         let moved = (stand.scene.gripper - before).yz().norm() / 2.0 * 1000.0;
+        println!("obstacle-push: {action:?} moves a hand by {moved} mm per step");
         assert!(range.contains(&moved), "{action:?}: {moved} mm per step");
     }
 }
