@@ -3,6 +3,7 @@
 use crate::stats::{run, three_and_one};
 use crate::support::{Rher, TINY};
 use insta::assert_snapshot;
+use serde_json::Value;
 use std::io::{Cursor, Write as _};
 use std::process::Command;
 
@@ -154,40 +155,38 @@ fn a_browser_shows_a_report_without_an_error_or_a_request() {
     let rher = three_and_one();
     rher.ok(&format!("train push {TINY} --env-steps 1000 --out run --quiet"));
     rher.ok("report a1 a2 a3 b1 run -o report.html");
+    rher.write("asking.html", "<img src=\"http://outside.invalid/picture.png\">");
     let shot = rher.path("shot.png");
     let log = rher.path("net.json");
-    let see = |what: &str| {
-        let output = Command::new(browser)
-            .args([
-                "--headless",
-                "--no-sandbox",
-                "--disable-gpu",
-                "--disable-background-networking",
-            ])
+    let see = |page: &str, what: &str| {
+        let output = Command::new(&browser)
+            .args(["--headless", "--no-sandbox", "--disable-gpu", "--no-first-run"])
+            .args(["--disable-sync", "--disable-component-update", "--no-proxy-server"])
+            .args(["--disable-background-networking", "--host-resolver-rules=MAP * ~NOTFOUND"])
             .args(["--enable-logging=stderr", "--hide-scrollbars", "--window-size=1100,3200"])
+            .arg(format!("--user-data-dir={}", rher.path("profile").display()))
             .arg(format!("--log-net-log={}", log.display()))
             .arg(what)
-            .arg(format!("file://{}", rher.path("report.html").display()))
+            .arg(format!("file://{}", rher.path(page).display()))
             .env("HOME", rher.path(""))
             .output()
             .unwrap();
         let [stdout, stderr] =
             [output.stdout, output.stderr].map(|text| String::from_utf8_lossy(&text).into_owned());
         assert!(output.status.success(), "{stdout}{stderr}");
-        assert!(!stderr.contains("CONSOLE"), "{stderr}");
-        let net = std::fs::read_to_string(&log).unwrap();
-        for url in net.split("\"url\":\"").skip(1) {
-            assert!(url.starts_with("file:") || url.starts_with("data:"), "{}", &url[..99]);
-        }
-        stdout
+        (stdout, stderr, requests_of_the_page(&std::fs::read_to_string(&log).unwrap()))
     };
-    let page = see("--dump-dom");
+    let (.., asked) = see("asking.html", "--dump-dom");
+    assert_eq!(asked, ["http://outside.invalid/picture.png"], "a request would be noticed");
+
+    let (page, stderr, asked) = see("report.html", "--dump-dom");
+    assert!(asked.is_empty() && !stderr.contains("CONSOLE"), "{asked:?} {stderr}");
     for text in
         ["Runs of push rher fast, push her fast", "12,500", "never", "No run of push her fast"]
     {
         assert!(page.contains(text), "no `{text}` in:\n{page}");
     }
-    see(&format!("--screenshot={}", shot.display()));
+    see("report.html", &format!("--screenshot={}", shot.display()));
     let (width, height, pixels) = pixels(&std::fs::read(&shot).unwrap());
     assert_eq!((width, height), (1100, 3200));
     assert!(count(&pixels, |pixel| *pixel == FIRST_INK) > 300, "curves are shown");
@@ -196,8 +195,27 @@ fn a_browser_shows_a_report_without_an_error_or_a_request() {
     assert!(count(&pixels, is_wood) > 20_000, "a table is shown, on which things lie");
 }
 
-/// A browser without a window; `None`, and a word about it, where there is none.
-fn browser() -> Option<&'static str> {
+/// The addresses that a page asked for, in a browser's log of its network.
+///
+/// Browsers also ask on their own behalf: such a request has no origin as its initiator.
+fn requests_of_the_page(log: &str) -> Vec<String> {
+    let log: Value = serde_json::from_str(log).unwrap();
+    let initiated = |event: &Value| {
+        let params = &event["params"];
+        let is_of_a_page = params["initiator"].as_str().is_some_and(|it| it != "not an origin");
+        let url = params["url"].as_str().filter(|_| is_of_a_page)?;
+        let is_inside = ["file:", "data:"].iter().any(|scheme| url.starts_with(scheme));
+        (!is_inside).then(|| url.to_owned())
+    };
+    log["events"].as_array().unwrap().iter().filter_map(initiated).collect()
+}
+
+/// A browser without a window, `RHER_TEST_BROWSER` before all others; `None`, and a note on standard
+/// error, where there is none.
+fn browser() -> Option<String> {
+    if let Ok(chosen) = std::env::var("RHER_TEST_BROWSER") {
+        return Some(chosen);
+    }
     let names = ["chromium-headless-shell", "chromium", "chromium-browser", "google-chrome"];
     let runs = |name: &&str| Command::new(name).arg("--version").output().is_ok();
     let browser = names.into_iter().find(runs);
@@ -205,5 +223,5 @@ fn browser() -> Option<&'static str> {
         // Past the harness, which keeps what passing tests print.
         let _ = writeln!(std::io::stderr(), "ignored: no browser, expected one of {names:?}");
     }
-    browser
+    browser.map(str::to_owned)
 }
