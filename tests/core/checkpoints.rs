@@ -1,10 +1,10 @@
 //! A run that is stopped and resumed is the run that was never stopped.
 
 use crate::toy::{Lines, Magnet, small};
-use rher_core::agent::config::EngineKind;
-use rher_core::checkpoint::CheckpointError;
+use rher_core::config::EngineKind;
 use rher_core::config::{BatchMode, TrainConfig};
 use rher_core::event::{Event, Metrics, Observer, ObserverError};
+use rher_core::train::checkpoint::CheckpointError;
 use rher_core::train::{Finish, TrainError, Trainer};
 use std::fs;
 use std::path::Path;

@@ -1,10 +1,10 @@
 //! Policy files.
 
 use crate::toy::{Lines, Magnet, small};
-use rher_core::agent::policy::{Policy, PolicyError};
 use rher_core::env::Env as _;
 use rher_core::episode::rollout;
 use rher_core::goal::Stage;
+use rher_core::policy::{Policy, PolicyError};
 use rher_core::train::Trainer;
 use std::sync::atomic::AtomicBool;
 

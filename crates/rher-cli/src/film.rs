@@ -1,10 +1,10 @@
 //! Episodes as pictures.
 
-use rher_core::agent::policy::Policy;
 use rher_core::config::{EvaluationConfig, TestPolicy};
 use rher_core::env::{Env, EnvError, EnvSpec, Start};
 use rher_core::evaluate::evaluate;
 use rher_core::goal::Achieved;
+use rher_core::policy::Policy;
 use rher_envs::render::{Camera, Image, Renderer};
 use rher_envs::thing::Thing;
 use rher_envs::{EnvVisitor, Simulated};

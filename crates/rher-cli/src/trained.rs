@@ -2,10 +2,10 @@
 
 use crate::commands::made_with;
 use crate::error::ForeignTask;
-use rher_core::agent::critic::Critic;
-use rher_core::agent::policy::{Policy, PolicyError};
-use rher_core::checkpoint::{self, POLICY_FILE};
 use rher_core::config::TestPolicy;
+use rher_core::policy::Critic;
+use rher_core::policy::{Policy, PolicyError};
+use rher_core::train::checkpoint::{self, POLICY_FILE};
 use rher_envs::{Options, Task};
 use rher_record::About;
 use rher_runs::{Settings, settings};

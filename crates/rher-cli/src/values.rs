@@ -4,7 +4,7 @@ use clap::ValueEnum;
 use clap::builder::{
     PathBufValueParser, PossibleValuesParser, RangedU64ValueParser, TypedValueParser, ValueParser,
 };
-use rher_core::agent::config::EngineKind;
+use rher_core::config::EngineKind;
 use rher_core::config::{Method, Preset};
 use rher_envs::Task;
 use std::path::PathBuf;

@@ -1,8 +1,8 @@
 //! Acting: 31 numbers in, three layers of 256, 4 out, for one environment and for sixteen.
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use rher_core::agent::infer::Inference;
-use rher_core::agent::network::Shape;
+use rher_core::learner::infer::Inference;
+use rher_core::learner::network::Shape;
 use std::hint::black_box;
 
 fn infer(criterion: &mut Criterion) {

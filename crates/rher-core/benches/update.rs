@@ -5,10 +5,10 @@ use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 use rayon::ThreadPoolBuilder;
-use rher_core::agent;
-use rher_core::agent::config::{AgentConfig, EngineKind, Init, TargetEvery};
-use rher_core::agent::learner::LearnerState;
 use rher_core::batch::Batch;
+use rher_core::config::{AgentConfig, EngineKind, Init, TargetEvery};
+use rher_core::learner;
+use rher_core::learner::state::LearnerState;
 
 const ACTION: usize = 4;
 
@@ -50,7 +50,7 @@ fn update(criterion: &mut Criterion) {
                     let mut rng = ChaCha8Rng::seed_from_u64(0);
                     let config = td3(engine);
                     let state = LearnerState::new(&config, input, ACTION, &mut rng);
-                    let mut learner = agent::engine(&config, state);
+                    let mut learner = learner::engine(&config, state);
                     let pool = ThreadPoolBuilder::new().num_threads(threads).build();
                     let pool = pool.expect("threads can be started");
                     let batch = draw_batch(rows, input, &mut rng);

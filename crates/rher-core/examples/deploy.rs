@@ -2,8 +2,8 @@
 //!
 //! Run it with `cargo run --release -p rher-core --example deploy -- POLICY.safetensors`.
 
-use rher_core::agent::policy::Policy;
 use rher_core::goal::{Achieved, Desired, Position, Scene, Stage};
+use rher_core::policy::Policy;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 

@@ -1,4 +1,4 @@
-//! A batch of transitions as the networks take them; past this point nobody knows `N`.
+//! A batch of transitions as the networks take them; past it nothing knows `N`.
 
 /// Rows for one update, in flat buffers that are reused from one draw to the next.
 ///

@@ -1,13 +1,13 @@
 //! How good a policy is: deterministic, on fixed episodes, judged at the last step.
 
-use crate::agent::critic::Critic;
-use crate::agent::policy::{Mismatch, Policy};
 use crate::config::{EvaluationConfig, TestPolicy};
 use crate::env::Env;
 use crate::episode::{Episode, RolloutError, rollout};
 use crate::explore::Decider;
+use crate::explore::{Decision, Script};
 use crate::goal::{Achieved, Desired, EncodedGoal, Leg, Stage, Tolerances};
-use crate::script::{Decision, Script};
+use crate::policy::Critic;
+use crate::policy::{Mismatch, Policy};
 use crate::seed::{Purpose, Seed};
 use rand::RngExt as _;
 use rayon::prelude::*;

@@ -1,6 +1,6 @@
 //! What happens in a run, for those who watch it.
 
-use crate::script::Script;
+use crate::explore::Script;
 use serde::{Deserialize, Serialize};
 
 /// Something that happened in a run.

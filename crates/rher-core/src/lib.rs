@@ -5,7 +5,7 @@
 //!
 //! Data flows through the modules in this order: [`goal`] and [`mod@env`] say what is asked and
 //! what happens, [`explore`] who acts, [`episode`] and [`replay`] keep what happened, [`relabel`]
-//! replays it for every sub-task as [`input`] to the networks, in a [`batch`], and [`agent`]
+//! replays it for every sub-task as [`input`] to the networks, in a [`batch`], and [`learner`]
 //! learns from it; `train` is the loop around them.
 //!
 //! ```
@@ -27,10 +27,7 @@
 //! assert_eq!(goal.reward(&now, &tolerances), -1.0);
 //! ```
 
-pub mod agent;
 pub mod batch;
-#[cfg(feature = "agent")]
-pub mod checkpoint;
 pub mod config;
 pub mod env;
 pub mod episode;
@@ -43,12 +40,11 @@ pub mod explore;
 mod files;
 pub mod goal;
 pub mod input;
-pub mod normalize;
-mod prefetch;
+pub mod learner;
+#[cfg(feature = "agent")]
+pub mod policy;
 pub mod relabel;
 pub mod replay;
-pub mod script;
 pub mod seed;
 #[cfg(feature = "agent")]
 pub mod train;
-mod turns;

@@ -5,10 +5,10 @@
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use rher_core::agent::config::{AgentConfig, EngineKind, Init, TargetEvery};
-use rher_core::agent::fused::FusedEngine;
-use rher_core::agent::learner::{Engine as _, LearnerState};
 use rher_core::batch::Batch;
+use rher_core::config::{AgentConfig, EngineKind, Init, TargetEvery};
+use rher_core::learner::fused::FusedEngine;
+use rher_core::learner::state::{Engine as _, LearnerState};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;

@@ -1,9 +1,9 @@
 //! A run whose environment is known at run time only.
 
-use rher_core::agent::policy::Policy;
 use rher_core::config::TrainConfig;
 use rher_core::env::Env;
 use rher_core::event::{Observer, Progress};
+use rher_core::policy::Policy;
 use rher_core::train::{Finish, TrainError, Trainer};
 use rher_envs::{EnvVisitor, Simulated};
 use std::path::{Path, PathBuf};

@@ -9,8 +9,8 @@ use numpy::{
 };
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyType};
-use rher_core::agent::policy::{About, Policy as CorePolicy, PolicyError as CorePolicyError};
 use rher_core::goal::{Achieved, Desired, Leg, Scene, Stage};
+use rher_core::policy::{About, Policy as CorePolicy, PolicyError as CorePolicyError};
 use rher_envs::{Options, Task};
 use std::path::PathBuf;
 use std::sync::Arc;

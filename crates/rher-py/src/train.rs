@@ -9,10 +9,10 @@ use crate::foreign::{About, Foreign, Raised};
 use crate::policy::Policy;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyType};
-use rher_core::agent::policy::PolicyError as CorePolicyError;
-use rher_core::checkpoint::{self, CheckpointError};
 use rher_core::config::{Method, Preset};
 use rher_core::event::{Event, ObserverError, Progress};
+use rher_core::policy::PolicyError as CorePolicyError;
+use rher_core::train::checkpoint::{self, CheckpointError};
 use rher_core::train::{Finish, TrainError as CoreTrainError};
 use rher_envs::{Options, Task};
 use rher_runs::{

@@ -5,7 +5,7 @@ use crate::player::Player;
 use crate::schemas;
 use foxglove::{Context, PartialMetadata, RawChannel, Schema, WebSocketServerHandle};
 use rher_core::event::Metrics;
-use rher_core::script::Script;
+use rher_core::explore::Script;
 use rher_envs::Simulated;
 use std::net::SocketAddr;
 use std::sync::Arc;

@@ -6,8 +6,8 @@ use foxglove::messages::{FrameTransforms, SceneUpdate};
 use rher_core::env::{Env, EnvError, EnvSpec, Start};
 use rher_core::episode::{Episode, RolloutError, rollout};
 use rher_core::evaluate::final_distance;
+use rher_core::explore::Script;
 use rher_core::goal::{Achieved, Desired, EncodedGoal, Leg, Position, Stage};
-use rher_core::script::Script;
 use rher_envs::thing::{Colour, Thing};
 use rher_envs::{STEP_SECONDS, Simulated};
 

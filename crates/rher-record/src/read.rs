@@ -5,7 +5,7 @@ use crate::message::{Action, Begin, Frame, Topic};
 use mcap::records::Record;
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use mcap::{MAGIC, McapError};
-use rher_core::script::{Decision, Script};
+use rher_core::explore::{Decision, Script};
 use std::collections::HashMap;
 use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};

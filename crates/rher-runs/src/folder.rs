@@ -2,8 +2,8 @@
 
 use crate::machine::Machine;
 use crate::settings::{self, Settings, SettingsError};
-use rher_core::checkpoint::{self, CheckpointError, POLICY_FILE};
 use rher_core::config::TrainConfig;
+use rher_core::train::checkpoint::{self, CheckpointError, POLICY_FILE};
 use std::fs::{File, TryLockError};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};

@@ -5,9 +5,9 @@ use crate::cli::EvalArgs;
 use crate::observe::percent;
 use crate::printer::Printer;
 use crate::trained::Trained;
-use rher_core::agent::policy::Policy;
 use rher_core::config::{EvaluationConfig, TestPolicy};
 use rher_core::evaluate::{Evaluation, evaluate};
+use rher_core::policy::Policy;
 use rher_envs::{EnvVisitor, Simulated};
 use serde::Serialize;
 

@@ -14,7 +14,7 @@ use crate::trained::Trained;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use comfy_table::Table;
-use rher_core::checkpoint::POLICY_FILE;
+use rher_core::train::checkpoint::POLICY_FILE;
 use rher_runs::{CONFIG_FILE, Machine};
 use std::fmt::{self, Write as _};
 use std::path::{Path, PathBuf};

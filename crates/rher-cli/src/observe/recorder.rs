@@ -1,7 +1,7 @@
 //! Recordings of training episodes, exploration included.
 
 use rher_core::event::ObserverError;
-use rher_core::script::Script;
+use rher_core::explore::Script;
 use rher_envs::Simulated;
 use rher_record::{About, Player, RecordingFile, WriteError};
 use rher_runs::RunDir;

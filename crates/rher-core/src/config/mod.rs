@@ -1,12 +1,13 @@
 //! Settings of a run: everything that is part of the experiment, and nothing that is not.
 
+mod agent;
 mod preset;
 mod validate;
 
+pub use agent::{AgentConfig, EngineKind, Init, TargetEvery};
 pub use preset::Preset;
 pub use validate::ConfigError;
 
-use crate::agent::config::AgentConfig;
 use crate::env::EnvSpec;
 use crate::goal::{LaterObjects, Tolerances};
 use serde::{Deserialize, Serialize};

@@ -1,10 +1,10 @@
 //! Named starting points for a run's settings.
 
 use super::{
-    BatchMode, EvaluationConfig, ExplorationConfig, GoalFrame, Method, ObjectOrder, RelayConfig,
-    ReplayConfig, TestPolicy, TrainConfig, TrainPolicy, VERSION,
+    AgentConfig, BatchMode, EngineKind, EvaluationConfig, ExplorationConfig, GoalFrame, Init,
+    Method, ObjectOrder, RelayConfig, ReplayConfig, TargetEvery, TestPolicy, TrainConfig,
+    TrainPolicy, VERSION,
 };
-use crate::agent::config::{AgentConfig, EngineKind, Init, TargetEvery};
 use crate::goal::LaterObjects;
 use serde::{Deserialize, Serialize};
 

@@ -3,6 +3,8 @@
 
 mod curriculum;
 mod guide;
+mod script;
 
 pub use curriculum::Curriculum;
 pub use guide::{Choice, Decider, Guide};
+pub use script::{Decision, Script};

@@ -1,10 +1,10 @@
 //! Plays an episode of training: chooses who acts, and acts.
 
-use crate::agent::policy::Policy;
 use crate::env::Env;
 use crate::episode::{Episode, RolloutError, rollout};
 use crate::explore::{Choice, Decider, Guide};
 use crate::goal::{Stage, Tolerances};
+use crate::policy::Policy;
 use crate::seed::{Purpose, Seed};
 use rand::RngExt as _;
 use rand_distr::StandardNormal;

@@ -1,12 +1,11 @@
 //! Sums over the training between two evaluations.
 
-use super::RunState;
-use crate::agent::learner::Losses;
 use crate::episode::Episode;
 use crate::evaluate::Evaluation;
-use crate::event::{Acted, Metrics};
+use crate::event::{Acted, Metrics, Progress, Seconds};
 use crate::explore::Decider;
 use crate::goal::{EncodedGoal, Stage, Tolerances};
+use crate::learner::state::Losses;
 use serde::{Deserialize, Serialize};
 
 /// An object that went further than this from where it started was moved, in metres.
@@ -118,25 +117,33 @@ impl Tally {
         }
     }
 
-    /// The line of metrics for an evaluation at this point of the run.
-    pub(super) fn metrics(&self, state: &RunState, evaluation: &Evaluation) -> Metrics {
-        let Actors { guide, learner, random } = self.actors;
-        let steps = guide + learner + random;
+    /// The line of metrics for an evaluation at this point of the run; `guide` is counted from 0.
+    pub(super) fn metrics(
+        &self,
+        progress: Progress,
+        guide: usize,
+        time: Seconds,
+        wall_s: f64,
+        evaluation: &Evaluation,
+    ) -> Metrics {
+        let Progress { env_steps, episodes, updates } = progress;
+        let Actors { guide: guided, learner, random } = self.actors;
+        let steps = guided + learner + random;
         let critic = |sum: f64| mean(sum, self.critic_updates);
         let actor = |sum: f64| mean(sum, self.actor_updates);
         let trained = self.critic_updates > 0;
         Metrics {
-            env_steps: state.env_steps,
-            episodes: state.episodes,
-            updates: state.updates,
-            wall_s: state.wall_s,
+            env_steps,
+            episodes,
+            updates,
+            wall_s,
             success: evaluation.success.clone(),
             success_final: evaluation.success_final,
-            guide: state.curriculum.guide() + 1,
+            guide: guide + 1,
             final_distance: evaluation.final_distance,
             train_success: share(self.successes, self.episodes),
             acted: Acted {
-                guide: share(guide, steps),
+                guide: share(guided, steps),
                 learner: share(learner, steps),
                 random: share(random, steps),
             },
@@ -154,7 +161,7 @@ impl Tally {
             q_max: if trained { self.q_max } else { 0.0 },
             critic_gradient: critic(self.critic_gradient),
             actor_gradient: actor(self.actor_gradient),
-            time: state.seconds,
+            time,
         }
     }
 }

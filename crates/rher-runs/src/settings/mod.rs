@@ -5,7 +5,7 @@ mod error;
 pub use error::{Origin, SettingsError, Source};
 
 use error::Place;
-use rher_core::agent::config::{AgentConfig, EngineKind};
+use rher_core::config::{AgentConfig, EngineKind};
 use rher_core::config::{
     EvaluationConfig, ExplorationConfig, Method, Preset, RelayConfig, ReplayConfig, TrainConfig,
     VERSION,

@@ -10,12 +10,12 @@ use cpu_time::ProcessTime;
 use rand::RngExt as _;
 use rand_distr::StandardNormal;
 use rayon::ThreadPoolBuilder;
-use rher_core::agent;
-use rher_core::agent::config::AgentConfig;
-use rher_core::agent::fused::{flops, gemm_peak};
-use rher_core::agent::learner::LearnerState;
 use rher_core::batch::Batch;
+use rher_core::config::AgentConfig;
 use rher_core::config::Preset;
+use rher_core::learner;
+use rher_core::learner::fused::{flops, gemm_peak};
+use rher_core::learner::state::LearnerState;
 use rher_core::seed::{Purpose, Seed};
 use serde::Serialize;
 use std::num::NonZeroUsize;
@@ -129,7 +129,7 @@ fn measure(
     let mut noise = vec![0.0; batch * ACTION];
     noise.fill_with(|| rng.sample(StandardNormal));
 
-    let mut learner = agent::engine(&config, state);
+    let mut learner = learner::engine(&config, state);
     let mut time = |least: Duration| -> anyhow::Result<Vec<f64>> {
         let started = Instant::now();
         let mut seconds = Vec::new();

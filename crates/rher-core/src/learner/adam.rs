@@ -3,7 +3,7 @@
 //! Each closure given to `dispatch` consumes an iterator: one that consumes nothing is called
 //! through a shim, and not compiled for the wider registers.
 
-use super::learner::{BETA_1, BETA_2, EPSILON, Trained};
+use super::state::{BETA_1, BETA_2, EPSILON, Trained};
 use pulp::Arch;
 
 impl Trained {

@@ -1,9 +1,10 @@
 //! Forward and backward passes of one network over some rows.
 
 use super::buffer::Buffer;
-use super::gemm::{Gemm, Left, Product};
+use super::gemm::Gemm;
 use super::kernels::{self, Norm};
 use super::network::{Dense, Network, Parameters};
+use super::product::{Left, Product};
 use super::simd::Simd;
 
 /// What the passes run on.

@@ -1,10 +1,10 @@
 //! A trained policy on its own: what acts, what is saved, what is deployed.
 
-use super::infer::Inference;
-use super::network::Shape;
 use crate::env::EnvSpec;
 use crate::goal::{Achieved, Desired, EncodedGoal, Stage};
 use crate::input::InputEncoder;
+use crate::learner::infer::Inference;
+use crate::learner::network::Shape;
 use safetensors::tensor::{Dtype, SafeTensors, TensorView};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;

@@ -3,8 +3,8 @@
 use super::buffer::{Buffer, padded};
 use super::network::Network;
 use super::pass::{Deltas, Gradient, Machine, Rows, Trace};
-use crate::agent::config::AgentConfig;
 use crate::batch::Batch;
+use crate::config::AgentConfig;
 use std::ops::Range;
 
 /// Rows whose activations stay in a core's own cache, with the weights that they meet.

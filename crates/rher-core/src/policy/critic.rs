@@ -1,11 +1,11 @@
 //! What a trained critic expects, for those who look on.
 
-use super::infer::Inference;
-use super::learner::Trained;
-use super::network::Shape;
 use crate::episode::Episode;
 use crate::goal::{EncodedGoal, Stage};
 use crate::input::InputEncoder;
+use crate::learner::infer::Inference;
+use crate::learner::network::Shape;
+use crate::learner::state::Trained;
 
 /// A frozen critic with everything it needs to judge actions.
 #[derive(Clone, Debug, PartialEq)]

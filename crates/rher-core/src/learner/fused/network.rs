@@ -3,8 +3,8 @@
 use super::buffer::{Buffer, padded};
 use super::kernels;
 use super::simd::Simd;
-use crate::agent::learner::Trained;
-use crate::agent::network::{Layer, Shape};
+use crate::learner::network::{Layer, Shape};
+use crate::learner::state::Trained;
 use std::ops::Range;
 
 /// A layer and where its copies are.

@@ -12,15 +12,15 @@
 //! episode's number, the episode as little-endian `f32`, and a CRC-32 of both. Records come first,
 //! so a state never counts an episode that is not there.
 
-use crate::agent::critic::Critic;
-use crate::agent::learner::LearnerState;
+use super::state::RunState;
 use crate::config::TrainConfig;
 use crate::env::EnvSpec;
 use crate::episode::Episode;
 use crate::files;
 use crate::goal::{Achieved, Desired, Position, Scene};
+use crate::learner::state::LearnerState;
+use crate::policy::Critic;
 use crate::replay::Replay;
-use crate::train::RunState;
 use std::fs::{File, OpenOptions};
 use std::io::{self, Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
@@ -87,7 +87,7 @@ pub enum CheckpointError {
     },
     /// The policy could not be written.
     #[error(transparent)]
-    Policy(#[from] crate::agent::policy::PolicyError),
+    Policy(#[from] crate::policy::PolicyError),
 }
 
 /// The settings of the run in `folder`.
@@ -107,7 +107,7 @@ pub fn read_critic(folder: &Path) -> Result<Critic, CheckpointError> {
 
 /// Writes a checkpoint of `state`, of `learner` and of the episodes that are not on disk yet, whose first is
 /// number `saved_episodes`.
-pub(crate) fn write<const N: usize>(
+pub(super) fn write<const N: usize>(
     folder: &Path,
     state: &RunState,
     learner: &LearnerState,
@@ -143,7 +143,7 @@ pub(crate) fn write<const N: usize>(
 ///
 /// A damaged state is an error, not a reason to fall back silently; the one before is used only
 /// where a stop fell between two renames.
-pub(crate) fn read_state(folder: &Path) -> Result<(RunState, LearnerState), CheckpointError> {
+pub(super) fn read_state(folder: &Path) -> Result<(RunState, LearnerState), CheckpointError> {
     let folder = folder.join(CHECKPOINT_FOLDER);
     let (current, previous) = (folder.join(CURRENT), folder.join(PREVIOUS));
     if current.exists() {
@@ -201,7 +201,7 @@ fn with_last_good(error: CheckpointError, previous: &Path) -> CheckpointError {
 }
 
 /// Reads the episodes that `state` counts and that fit in its replay.
-pub(crate) fn read_replay<const N: usize>(
+pub(super) fn read_replay<const N: usize>(
     folder: &Path,
     state: &RunState,
     spec: &EnvSpec<N>,

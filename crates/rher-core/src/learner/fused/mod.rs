@@ -7,6 +7,7 @@ mod network;
 mod optimizer;
 mod pass;
 mod portable;
+mod product;
 mod simd;
 mod slice;
 #[cfg(test)]
@@ -14,9 +15,9 @@ mod tests;
 mod threads;
 mod work;
 
-use super::config::{AgentConfig, TargetEvery};
-use super::learner::{Engine, LearnerState, Losses, NotFinite};
+use super::state::{Engine, LearnerState, Losses, NotFinite};
 use crate::batch::Batch;
+use crate::config::{AgentConfig, TargetEvery};
 use gemm::Gemm;
 use network::Network;
 use optimizer::Move;

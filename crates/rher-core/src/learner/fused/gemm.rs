@@ -8,6 +8,7 @@
 )]
 
 use super::portable;
+use super::product::Product;
 use super::simd::Simd;
 use gemm_f32::microkernel;
 use pulp::Arch;
@@ -30,50 +31,6 @@ pub(super) struct Kernels {
     tile_rows: usize,
     /// Numbers in a vector.
     lanes: usize,
-}
-
-/// One product `out = left · right`, or `out += left · right`.
-///
-/// Columns of `right` and `out` are next to each other; rows of `right` must be readable up to a
-/// whole number of vectors.
-pub(super) struct Product<'a> {
-    /// `[rows, depth]`.
-    pub(super) left: Left<'a>,
-    /// `[depth, columns]`, a row every `right_stride` numbers.
-    pub(super) right: &'a [f32],
-    pub(super) right_stride: usize,
-    /// `[rows, columns]`, a row every `out_stride` numbers.
-    pub(super) out: &'a mut [f32],
-    pub(super) out_stride: usize,
-    pub(super) rows: usize,
-    pub(super) depth: usize,
-    pub(super) columns: usize,
-    /// Whether to add to what is there.
-    pub(super) accumulate: bool,
-}
-
-/// A matrix whose element (row, k) is at `row * row_stride + k * depth_stride`.
-#[derive(Clone, Copy)]
-pub(super) struct Left<'a> {
-    data: &'a [f32],
-    row_stride: usize,
-    depth_stride: usize,
-}
-
-impl<'a> Left<'a> {
-    /// A matrix that is stored by rows.
-    pub(super) fn rows(data: &'a [f32], stride: usize) -> Self {
-        Self { data, row_stride: stride, depth_stride: 1 }
-    }
-
-    pub(super) fn at(self, row: usize, k: usize) -> f32 {
-        self.data[row * self.row_stride + k * self.depth_stride]
-    }
-
-    /// The transpose of a matrix that is stored by rows.
-    pub(super) fn transposed(data: &'a [f32], stride: usize) -> Self {
-        Self { data, row_stride: 1, depth_stride: stride }
-    }
 }
 
 /// Rows and columns swapped: for the crate, columns of `right` are rows and lie next to each other.

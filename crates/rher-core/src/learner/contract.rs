@@ -1,11 +1,11 @@
 //! What every engine must do: its gradients against differences of f64 losses, its values against
 //! problems whose answer is known.
 
-use super::config::{AgentConfig, EngineKind, Init, TargetEvery};
 use super::infer::Inference;
-use super::learner::{BETA_1, Engine, LearnerState, NORM_EPSILON, Trained};
 use super::network::Shape;
+use super::state::{BETA_1, Engine, LearnerState, NORM_EPSILON, Trained};
 use crate::batch::Batch;
+use crate::config::{AgentConfig, EngineKind, Init, TargetEvery};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 

@@ -1,10 +1,10 @@
 //! The reference engine: Burn's modules and autodiff, one explicit graph per loss.
 
 use super::adam::squared_norm;
-use super::config::{AgentConfig, TargetEvery};
-use super::learner::{Engine, LearnerState, Losses, NORM_EPSILON, NotFinite, Trained};
 use super::network::{self, Shape};
+use super::state::{Engine, LearnerState, Losses, NORM_EPSILON, NotFinite, Trained};
 use crate::batch::Batch;
+use crate::config::{AgentConfig, TargetEvery};
 use burn::backend::{Autodiff, NdArray};
 use burn::module::{Module, ModuleVisitor, Param};
 use burn::nn::{LayerNorm, LayerNormConfig, Linear};
@@ -253,10 +253,10 @@ fn number<B: Backend>(tensor: Tensor<B, 1>) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::config::Init;
     use super::super::contract;
     use super::super::infer::Inference;
     use super::*;
+    use crate::config::Init;
     use rand::{RngExt as _, SeedableRng as _};
     use rand_chacha::ChaCha8Rng;
 

@@ -1,9 +1,10 @@
 //! How much arithmetic an update is, and how fast this machine could do it.
 
 use super::buffer::{Buffer, LINE};
-use super::gemm::{Gemm, Left, Product};
+use super::gemm::Gemm;
+use super::product::{Left, Product};
 use super::simd::Simd;
-use crate::agent::config::AgentConfig;
+use crate::config::AgentConfig;
 use std::time::{Duration, Instant};
 
 /// Floating-point operations in the matrix products of one update, as a mean over the policy delay.
@@ -74,7 +75,7 @@ pub fn gemm_peak(rows: usize, width: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::agent::config::{EngineKind, Init, TargetEvery};
+    use crate::config::{EngineKind, Init, TargetEvery};
 
     #[test]
     fn an_update_of_the_paper_s_size_is_eight_hundred_megaflops() {

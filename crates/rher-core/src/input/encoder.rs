@@ -1,10 +1,10 @@
 //! What the networks see: the normalised observation and the normalised goal, side by side.
 
+use super::normalize::{CLIP, Normalizer};
+use super::turns::{self, Turns};
 use crate::config::{GoalFrame, ObjectOrder, RelayConfig};
 use crate::env::EnvSpec;
 use crate::goal::{Achieved, EncodedGoal, Position};
-use crate::normalize::{CLIP, Normalizer};
-use crate::turns::{self, Turns};
 use serde::{Deserialize, Serialize};
 use std::iter;
 

@@ -1,11 +1,11 @@
 //! The fused engine against autodiff, update by update.
 
 use super::burn::BurnEngine;
-use super::config::{AgentConfig, Init, TargetEvery};
 use super::fused::FusedEngine;
-use super::learner::{Engine as _, LearnerState, Trained};
+use super::state::{Engine as _, LearnerState, Trained};
 use crate::batch::Batch;
 use crate::config::Preset;
+use crate::config::{AgentConfig, Init, TargetEvery};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;

@@ -1,6 +1,6 @@
 //! Matrix products for machines without a vector unit that the micro-kernels know.
 
-use super::gemm::Product;
+use super::product::Product;
 
 /// Rows and columns of a tile: as much as sixteen registers of four numbers hold.
 const TILE: (usize, usize) = (4, 8);

@@ -1,11 +1,11 @@
 use super::{FusedEngine, Simd};
-use crate::agent::config::{AgentConfig, EngineKind, Init, TargetEvery};
-use crate::agent::contract;
-use crate::agent::learner::{
+use crate::batch::Batch;
+use crate::config::{AgentConfig, EngineKind, Init, TargetEvery};
+use crate::learner::contract;
+use crate::learner::network::Shape;
+use crate::learner::state::{
     BETA_1, BETA_2, EPSILON, Engine as _, LearnerState, Losses, NORM_EPSILON, Trained,
 };
-use crate::agent::network::Shape;
-use crate::batch::Batch;
 use rand::{Rng, RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;

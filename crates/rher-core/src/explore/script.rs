@@ -1,6 +1,6 @@
 //! What an episode can be played again from, whatever the number of objects.
 
-use crate::explore::Decider;
+use super::Decider;
 
 /// Everything that an episode depends on but its environment, and who chose its actions.
 #[derive(Clone, Debug, PartialEq)]

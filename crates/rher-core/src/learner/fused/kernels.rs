@@ -6,7 +6,7 @@
 #![expect(clippy::inline_always, reason = "vector instructions reach only what is inlined")]
 
 use super::buffer::LINE;
-use crate::agent::learner::{BETA_1, BETA_2, EPSILON, NORM_EPSILON};
+use crate::learner::state::{BETA_1, BETA_2, EPSILON, NORM_EPSILON};
 
 /// x ← x + b.
 #[inline(always)]

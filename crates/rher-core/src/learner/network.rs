@@ -1,6 +1,6 @@
 //! Networks as plain numbers: one flat vector of parameters and a shape that says what is where.
 
-use super::config::Init;
+use crate::config::Init;
 use rand::{Rng, RngExt as _};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;

@@ -1,8 +1,8 @@
 //! The whole state of a learner as plain numbers, and what an engine does with it.
 
-use super::config::AgentConfig;
 use super::network::Shape;
 use crate::batch::Batch;
+use crate::config::AgentConfig;
 use rand::Rng;
 use serde::{Deserialize, Serialize};
 

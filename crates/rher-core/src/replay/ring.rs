@@ -1,9 +1,9 @@
 //! Replay of whole episodes in a fixed amount of memory.
 
+use super::prefetch::{CACHE_LINE, prefetch};
 use crate::env::EnvSpec;
 use crate::episode::Episode;
 use crate::goal::{Achieved, Desired, Position, Scene};
-use crate::prefetch::{CACHE_LINE, prefetch};
 use rand::{Rng, RngExt as _};
 use std::array;
 

@@ -5,8 +5,8 @@
     reason = "wide registers are for what is inlined under `dispatch`"
 )]
 
-use super::learner::NORM_EPSILON;
 use super::network::{Layer, Shape};
+use super::state::NORM_EPSILON;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
@@ -196,8 +196,8 @@ fn normalise(scale: &[f32], shift: &[f32], rows: &mut [f32]) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::config::Init;
     use super::*;
+    use crate::config::Init;
     use rand::{RngExt as _, SeedableRng as _};
     use rand_chacha::ChaCha8Rng;
 

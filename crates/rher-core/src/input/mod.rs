@@ -1,0 +1,8 @@
+//! What the networks see: normalised observations and goals, alike objects in order of turn.
+
+mod encoder;
+mod normalize;
+mod turns;
+
+pub use encoder::InputEncoder;
+pub use normalize::{CLIP, Normalizer, SMALLEST_DEVIATION};

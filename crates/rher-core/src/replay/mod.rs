@@ -1,0 +1,6 @@
+//! Replay of whole episodes.
+
+mod prefetch;
+mod ring;
+
+pub use ring::{Replay, StepIndex};

@@ -1,0 +1,80 @@
+//! How a run ends, and why it could not go on.
+
+use super::checkpoint::CheckpointError;
+use crate::config::ConfigError;
+use crate::episode::RolloutError;
+use crate::evaluate::EvaluateError;
+use crate::event::ObserverError;
+use crate::learner::state::NotFinite;
+
+/// Why a run ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Finish {
+    /// Two evaluations running were as good as `until` asks.
+    Solved,
+    /// All environment steps were taken.
+    StepsSpent,
+    /// It was asked to stop.
+    Stopped,
+}
+
+/// A run could not go on; what was saved before is untouched.
+#[derive(Debug, thiserror::Error)]
+pub enum TrainError {
+    /// A setting is outside its range.
+    #[error(transparent)]
+    Config(#[from] ConfigError),
+    /// Fewer environments than the settings ask for.
+    #[error("{given} environments were given, expected at least `envs` = {expected}")]
+    TooFewEnvs {
+        /// How many were given.
+        given: usize,
+        /// How many are needed.
+        expected: usize,
+    },
+    /// The threads could not be started.
+    #[error("cannot start {workers} threads")]
+    Threads {
+        /// How many were asked for.
+        workers: usize,
+        /// What the system said.
+        source: rayon::ThreadPoolBuildError,
+    },
+    /// An environment failed in training.
+    #[error("episode {episode}")]
+    Rollout {
+        /// Number of the training episode.
+        episode: u64,
+        /// What went wrong.
+        source: RolloutError,
+    },
+    /// An environment failed in evaluation.
+    #[error("evaluation after episode {episode}")]
+    Evaluate {
+        /// Training episodes before it.
+        episode: u64,
+        /// What went wrong.
+        source: EvaluateError,
+    },
+    /// The learner diverged; the state before the update was saved.
+    #[error(
+        "update {update}, after {env_steps} environment steps, diverged; its batch has seed {seed}, \
+         count {update}"
+    )]
+    NotFinite {
+        /// Number of the update, which is the count of its batch's random stream.
+        update: u64,
+        /// Environment steps before it.
+        env_steps: u64,
+        /// Seed of the run.
+        seed: u64,
+        /// Which gradient it is.
+        source: NotFinite,
+    },
+    /// The checkpoint could not be written or read.
+    #[error(transparent)]
+    Checkpoint(#[from] CheckpointError),
+    /// An observer failed.
+    #[error(transparent)]
+    Observer(#[from] ObserverError),
+}

@@ -1,0 +1,450 @@
+//! The loop: explore, store, relabel, update, evaluate, and repeat.
+
+use super::checkpoint::{self, CheckpointError};
+use super::error::{Finish, TrainError};
+use super::play::{Played, explore_once};
+use super::rows::SubtaskBatch;
+use super::state::RunState;
+use super::tally::{Actors, Tally};
+use crate::batch::Batch;
+use crate::config::{
+    AgentConfig, BatchMode, EngineKind, Method, ReplayConfig, TargetEvery, TrainConfig,
+};
+use crate::env::Env;
+use crate::episode::Episode;
+use crate::evaluate::{Evaluation, evaluate};
+use crate::event::{Event, Observer, Progress, Seconds};
+use crate::explore::{Choice, Curriculum, Decision, Guide, Script};
+use crate::goal::Stage;
+use crate::input::InputEncoder;
+use crate::learner::network::Shape;
+use crate::learner::state::{Engine, LearnerState};
+use crate::policy::{About, Critic, Policy};
+use crate::relabel::Relabeler;
+use crate::replay::Replay;
+use crate::seed::{Purpose, Seed};
+use rand::RngExt as _;
+use rand_distr::StandardNormal;
+use rayon::prelude::*;
+use std::ops::Range;
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// A run of relay hindsight experience replay.
+pub struct Trainer<const N: usize, E> {
+    state: RunState,
+    envs: Vec<E>,
+    pool: rayon::ThreadPool,
+    stages: Vec<Stage<N>>,
+    replay: Replay<N>,
+    /// Episodes that are on disk.
+    saved_episodes: u64,
+    relabeler: Relabeler<N>,
+    batches: Vec<SubtaskBatch<N>>,
+    noise: Vec<f32>,
+    engine: Box<dyn Engine>,
+    actor_shape: Shape,
+    policy: Policy,
+}
+
+impl<const N: usize, E: Env<N>> Trainer<N, E> {
+    /// A new run.
+    ///
+    /// `envs` are equal and at least as many as `config.envs`; evaluations use all of them, so
+    /// more of them let more of the `workers` threads help. No result depends on either.
+    pub fn new(config: TrainConfig, envs: Vec<E>, workers: usize) -> Result<Self, TrainError> {
+        config.validate()?;
+        let spec = first(&envs, &config)?.spec();
+        let about = About {
+            task: spec.name.clone(),
+            variant: spec.variant.clone(),
+            objects: N,
+            subtasks: spec.subtasks,
+            untrained: match config.relay.method {
+                Method::Rher => 0,
+                Method::Her => spec.subtasks - 1,
+            },
+            observation: spec.observation,
+            action: spec.action,
+            reach_distance: config.relay.reach_distance,
+        };
+        let encoder = InputEncoder::new(&config.relay, spec);
+        let mut rng = Seed(config.seed).stream(Purpose::Init, 0);
+        let learner = LearnerState::new(&config.agent, encoder.width(), spec.action, &mut rng);
+        let state = RunState {
+            env_steps: 0,
+            episodes: 0,
+            updates: 0,
+            evaluations: 0,
+            last_success: [0.0; 2],
+            curriculum: Curriculum::new(&config.exploration, spec.subtasks),
+            tally: Tally::new(spec.subtasks, N),
+            wall_s: 0.0,
+            seconds: Seconds::default(),
+            encoder,
+            about,
+            config,
+        };
+        let replay = Replay::new(spec, state.config.replay.capacity);
+        Self::assemble(state, learner, replay, envs, workers)
+    }
+
+    /// Goes on with the run whose folder is `folder`, from its last checkpoint.
+    ///
+    /// What follows is what would have followed had it never stopped.
+    pub fn resume(folder: &Path, envs: Vec<E>, workers: usize) -> Result<Self, TrainError> {
+        let (state, learner) = checkpoint::read_state(folder)?;
+        let spec = first(&envs, &state.config)?.spec();
+        let replay = checkpoint::read_replay(folder, &state, spec)?;
+        Self::assemble(state, learner, replay, envs, workers)
+    }
+
+    fn assemble(
+        state: RunState,
+        learner: LearnerState,
+        replay: Replay<N>,
+        envs: Vec<E>,
+        workers: usize,
+    ) -> Result<Self, TrainError> {
+        let spec = first(&envs, &state.config)?.spec().clone();
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(workers)
+            .build()
+            .map_err(|source| TrainError::Threads { workers, source })?;
+        let RunState { config, about, encoder, .. } = &state;
+        let stages: Vec<Stage<N>> =
+            Stage::all().take(about.subtasks).skip(about.untrained).collect();
+        let rows = config.replay.batch_size;
+        let subtask_batch = |stages: Vec<Stage<N>>| SubtaskBatch {
+            batch: Batch::zeros(rows * stages.len(), encoder.width(), about.action),
+            stages,
+        };
+        let batches = match config.replay.batch_mode {
+            BatchMode::Joint => vec![subtask_batch(stages.clone())],
+            BatchMode::Separate => stages.iter().map(|&stage| subtask_batch(vec![stage])).collect(),
+        };
+        let relabeler = Relabeler::new(&config.relay, &spec);
+        let noise = vec![0.0; rows * stages.len() * about.action];
+        let actor_shape = learner.actor.shape.clone();
+        let mut engine = crate::learner::engine(&state.config.agent, learner);
+        let policy = Policy::new(
+            state.about.clone(),
+            state.encoder.clone(),
+            actor_shape.clone(),
+            engine.actor().to_vec(),
+        );
+        let saved_episodes = replay.pushed();
+        Ok(Self {
+            state,
+            envs,
+            pool,
+            stages,
+            replay,
+            saved_episodes,
+            relabeler,
+            batches,
+            noise,
+            engine,
+            actor_shape,
+            policy,
+        })
+    }
+
+    /// Settings of the run.
+    pub fn config(&self) -> &TrainConfig {
+        &self.state.config
+    }
+
+    /// Changes how many environment steps the run takes.
+    pub fn set_env_steps(&mut self, env_steps: u64) {
+        self.state.config.env_steps = env_steps;
+    }
+
+    /// Changes the success rate that ends the run.
+    pub fn set_until(&mut self, until: f32) {
+        self.state.config.until = until;
+    }
+
+    /// Goes on with another engine from where this one is.
+    pub fn set_engine(&mut self, engine: EngineKind) {
+        let agent = &mut self.state.config.agent;
+        agent.engine = engine;
+        self.engine = crate::learner::engine(agent, self.engine.state());
+    }
+
+    /// How far the run is.
+    pub fn progress(&self) -> Progress {
+        Progress {
+            env_steps: self.state.env_steps,
+            episodes: self.state.episodes,
+            updates: self.state.updates,
+        }
+    }
+
+    /// Evaluations made so far.
+    pub fn evaluations(&self) -> u64 {
+        self.state.evaluations
+    }
+
+    /// The policy as it is now.
+    pub fn policy(&self) -> &Policy {
+        &self.policy
+    }
+
+    /// Whether and why the run is at its end.
+    pub fn finished(&self) -> Option<Finish> {
+        let TrainConfig { until, env_steps, .. } = self.state.config;
+        let [before, last] = self.state.last_success;
+        if until > 0.0 && before >= until && last >= until {
+            Some(Finish::Solved)
+        } else {
+            (self.state.env_steps >= env_steps).then_some(Finish::StepsSpent)
+        }
+    }
+
+    /// Trains until the run is at its end, or until `stop` is set.
+    ///
+    /// With a `folder`, a checkpoint and the policy are written there before the first step, at
+    /// every evaluation, and when stopped; stopping waits for the end of the episode.
+    pub fn run(
+        &mut self,
+        folder: Option<&Path>,
+        observer: &mut dyn Observer,
+        stop: &AtomicBool,
+    ) -> Result<Finish, TrainError> {
+        if self.state.episodes == 0 {
+            self.save_to(folder, observer)?;
+        }
+        loop {
+            if let Some(finish) = self.finished() {
+                return Ok(finish);
+            }
+            if stop.load(Ordering::Relaxed) {
+                self.save_to(folder, observer)?;
+                return Ok(Finish::Stopped);
+            }
+            let started = Instant::now();
+            let episodes = self.explore(observer)?;
+            let learned = self.learn(episodes);
+            if matches!(learned, Err(TrainError::NotFinite { .. })) {
+                self.save_to(folder, observer)?;
+            }
+            learned?;
+            let due = self.evaluation_is_due(episodes);
+            let evaluation = due.then(|| self.evaluate()).transpose()?;
+            self.state.wall_s += started.elapsed().as_secs_f64();
+            observer.on(&Event::Progress(self.progress()))?;
+            if let Some(evaluation) = evaluation {
+                self.record(&evaluation, observer)?;
+                self.save_to(folder, observer)?;
+            }
+        }
+    }
+
+    /// Plays one episode in every environment, and stores them.
+    fn explore(&mut self, observer: &mut dyn Observer) -> Result<u64, TrainError> {
+        let started = Instant::now();
+        let RunState { config, about, curriculum, episodes, .. } = &self.state;
+        let seed = Seed(config.seed);
+        let count = config.envs;
+        let guide = Guide::new(config, about.subtasks, curriculum);
+        let tolerances = config.relay.tolerances(self.envs[0].spec());
+        let policy = &self.policy;
+        let envs = &mut self.envs[..count];
+        let played = self.pool.install(|| {
+            envs.par_iter_mut()
+                .enumerate()
+                .map(|(index, env)| {
+                    let episode = episodes + index as u64;
+                    explore_once(env, policy, &guide, &tolerances, seed, episode)
+                        .map_err(|source| TrainError::Rollout { episode, source })
+                })
+                .collect::<Result<Vec<_>, _>>()
+        })?;
+        let storing = Instant::now();
+        let spec = self.envs[0].spec();
+        let tolerances = spec.tolerances;
+        self.state.env_steps += (count * spec.episode_steps) as u64;
+        let (mut acting, mut playing) = (Duration::ZERO, Duration::ZERO);
+        for Played { seed: env_seed, episode, choices, acting: of_actor, playing: of_all } in played
+        {
+            acting += of_actor;
+            playing += of_all;
+            if observer.wants(self.state.episodes) {
+                let script = self.script(env_seed, &episode, &choices);
+                observer.on(&Event::Explored(Box::new(script)))?;
+            }
+            let mut actors = Actors::default();
+            for choice in &choices {
+                actors.count(choice.decider);
+            }
+            self.state.tally.episode(&episode, actors, about_last(&self.state.about), &tolerances);
+            let mut rng = seed.stream(Purpose::Statistics, self.state.episodes);
+            let encoder = &mut self.state.encoder;
+            self.relabeler.observe(&episode, &self.stages, encoder, &mut rng);
+            self.replay.push(&episode);
+            self.state.episodes += 1;
+        }
+        // Episodes are played side by side: the wall clock is shared out as their own time is.
+        let inference = acting.div_duration_f64(playing) * (storing - started).as_secs_f64();
+        let seconds = &mut self.state.seconds;
+        seconds.inference += inference;
+        seconds.environment += (storing - started).as_secs_f64() - inference;
+        seconds.relabel += storing.elapsed().as_secs_f64();
+        Ok(count as u64)
+    }
+
+    /// The next training episode for those who look on.
+    fn script(&mut self, seed: u64, episode: &Episode<N>, choices: &[Choice<N>]) -> Script {
+        let critics = self.engine.state().critics;
+        let critic = Critic::new(self.policy.encoder().clone(), &critics[0]);
+        let stages: Vec<Stage<N>> = choices.iter().map(|choice| choice.stage).collect();
+        let values = critic.values(episode, &stages);
+        let decisions = choices.iter().zip(values).map(|(choice, value)| Decision {
+            decider: choice.decider,
+            subtask: choice.stage.index(),
+            value: Some(value),
+        });
+        Script {
+            number: self.state.episodes,
+            seed,
+            actions: episode.actions.clone(),
+            decisions: decisions.collect(),
+        }
+    }
+
+    /// Makes the updates that belong to the last `episodes` episodes.
+    fn learn(&mut self, episodes: u64) -> Result<(), TrainError> {
+        let Self { state, pool, replay, relabeler, batches, noise, engine, .. } = self;
+        let TrainConfig {
+            seed,
+            replay: ReplayConfig { updates_per_episode, warmup_episodes, focus, .. },
+            agent,
+            ..
+        } = &state.config;
+        let (seed, rounds) = (*seed, *updates_per_episode as u64 * episodes);
+        let AgentConfig { target_noise, target_every, .. } = *agent;
+        if state.episodes <= *warmup_episodes {
+            return Ok(());
+        }
+        let rows = |batch: &SubtaskBatch<N>| batch.rows(*focus, &state.curriculum);
+        let rows: Vec<Vec<Range<usize>>> = batches.iter().map(rows).collect();
+        // All of it inside the pool: entering it anew for every update would wait each time until
+        // a busy machine lets the pool's thread on.
+        pool.install(|| {
+            for _ in 0..rounds {
+                for (SubtaskBatch { stages, batch }, rows) in batches.iter_mut().zip(&rows) {
+                    let drawing = Instant::now();
+                    let update = state.updates;
+                    let mut rng = Seed(seed).stream(Purpose::Batch, update);
+                    for (&stage, rows) in stages.iter().zip(rows) {
+                        let encoder = &state.encoder;
+                        let rewarded =
+                            relabeler.draw(replay, encoder, stage, batch, rows.clone(), &mut rng);
+                        state.tally.batch(stage, rewarded, rows.len());
+                    }
+                    let noise = &mut noise[..batch.rows() * batch.action];
+                    if target_noise > 0.0 {
+                        noise.fill_with(|| rng.sample(StandardNormal));
+                    }
+                    let updating = Instant::now();
+                    let env_steps = state.env_steps;
+                    let not_finite =
+                        |source| TrainError::NotFinite { update, env_steps, seed, source };
+                    let losses = engine.update(batch, noise).map_err(not_finite)?;
+                    state.updates += 1;
+                    state.tally.update(&losses);
+                    state.seconds.relabel += (updating - drawing).as_secs_f64();
+                    state.seconds.update += updating.elapsed().as_secs_f64();
+                }
+            }
+            Ok::<_, TrainError>(())
+        })?;
+        if target_every == TargetEvery::Episode {
+            self.engine.move_targets();
+        }
+        self.policy = Policy::new(
+            self.state.about.clone(),
+            self.state.encoder.clone(),
+            self.actor_shape.clone(),
+            self.engine.actor().to_vec(),
+        );
+        Ok(())
+    }
+
+    fn evaluation_is_due(&self, episodes: u64) -> bool {
+        let RunState { config, env_steps, episodes: now, .. } = &self.state;
+        let every = config.evaluation.every_episodes;
+        now / every > (now - episodes) / every || *env_steps >= config.env_steps
+    }
+
+    fn evaluate(&mut self) -> Result<Evaluation, TrainError> {
+        let started = Instant::now();
+        let TrainConfig { evaluation, exploration, .. } = &self.state.config;
+        let (envs, policy) = (&mut self.envs, &self.policy);
+        let evaluation = self
+            .pool
+            .install(|| evaluate(envs, policy, evaluation, exploration.test_policy))
+            .map_err(|source| TrainError::Evaluate { episode: self.state.episodes, source })?;
+        self.state.seconds.evaluate += started.elapsed().as_secs_f64();
+        Ok(evaluation)
+    }
+
+    /// Tells the curriculum and the observer what an evaluation found.
+    fn record(
+        &mut self,
+        evaluation: &Evaluation,
+        observer: &mut dyn Observer,
+    ) -> Result<(), TrainError> {
+        let progress = self.progress();
+        let state = &mut self.state;
+        state.curriculum.record(&evaluation.success);
+        state.last_success = [state.last_success[1], evaluation.success_final];
+        state.evaluations += 1;
+        let (guide, wall_s) = (state.curriculum.guide(), state.wall_s);
+        let metrics = state.tally.metrics(progress, guide, state.seconds, wall_s, evaluation);
+        state.tally.clear();
+        observer.on(&Event::Evaluated(Box::new(metrics)))?;
+        Ok(())
+    }
+
+    fn save_to(
+        &mut self,
+        folder: Option<&Path>,
+        observer: &mut dyn Observer,
+    ) -> Result<(), TrainError> {
+        if let Some(folder) = folder {
+            self.save(folder)?;
+            observer.on(&Event::Saved)?;
+        }
+        Ok(())
+    }
+
+    /// Writes a checkpoint of the whole run, and the policy, into its folder.
+    pub fn save(&mut self, folder: &Path) -> Result<(), TrainError> {
+        let started = Instant::now();
+        let learner = self.engine.state();
+        checkpoint::write(folder, &self.state, &learner, &self.replay, self.saved_episodes)?;
+        let policy = folder.join(checkpoint::POLICY_FILE);
+        self.policy.save(&policy).map_err(CheckpointError::from)?;
+        self.saved_episodes = self.replay.pushed();
+        self.state.seconds.save += started.elapsed().as_secs_f64();
+        Ok(())
+    }
+}
+
+fn first<'a, const N: usize, E: Env<N>>(
+    envs: &'a [E],
+    config: &TrainConfig,
+) -> Result<&'a E, TrainError> {
+    let (given, expected) = (envs.len(), config.envs);
+    match envs.first() {
+        Some(env) if given >= expected => Ok(env),
+        _ => Err(TrainError::TooFewEnvs { given, expected }),
+    }
+}
+
+fn about_last<const N: usize>(about: &About) -> Stage<N> {
+    Stage::from_index(about.subtasks - 1).unwrap_or(Stage::FIRST)
+}
