@@ -3,7 +3,7 @@
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use rher_core::config::Preset;
-use rher_core::explore::{Curriculum, Decider, Guide};
+use rher_core::explore::{ActionSource, Curriculum, Explorer};
 use rher_core::goal::Stage;
 
 /// However long random actions are kept, everyone acts in the share of steps that is set.
@@ -12,14 +12,14 @@ fn everyone_acts_as_often_as_set() {
     for random_steps in [1.0, 4.0] {
         let mut config = Preset::Paper.config("shares", 1);
         config.exploration.random_steps = random_steps;
-        let guide = Guide::new(&config, 2, &Curriculum::new(&config.exploration, 2));
+        let guide = Explorer::new(&config, 2, &Curriculum::new(&config.exploration, 2));
         let mut rng = ChaCha8Rng::seed_from_u64(0);
         let (mut counts, mut drawn) = ([0_u32; 3], 0);
-        let mut last = Decider::Learner;
+        let mut last = ActionSource::Learner;
         for _ in 0..100_000 {
-            if last != Decider::Random || !guide.keeps_random(&mut rng) {
-                last = guide.draw(Stage::<1>::FIRST, &mut rng).decider;
-                drawn += u32::from(last == Decider::Random);
+            if last != ActionSource::Random || !guide.keeps_random(&mut rng) {
+                last = guide.draw(Stage::<1>::FIRST, &mut rng).source;
+                drawn += u32::from(last == ActionSource::Random);
             }
             counts[last as usize] += 1;
         }

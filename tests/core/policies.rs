@@ -24,7 +24,7 @@ fn a_policy_file_acts_as_the_policy_that_was_saved() {
     policy.save(&path).unwrap();
     let loaded = Policy::load(&path).unwrap();
     assert_eq!(loaded, policy);
-    assert_eq!(loaded.about().task, "magnet");
+    assert_eq!(loaded.info().task, "magnet");
     let act = |policy: &Policy| {
         let mut actor = policy.actor();
         let last = Stage::all().last().unwrap();

@@ -5,7 +5,7 @@ use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use rher_core::batch::Batch;
 use rher_core::config::{GoalFrame, ObjectOrder, Preset, RelayConfig};
-use rher_core::env::{EnvSpec, Exchange, Image, Mirror};
+use rher_core::env::{EnvSpec, Mirror, Permutation, SignedIndex};
 use rher_core::episode::Episode;
 use rher_core::goal::{
     Achieved, Desired, EncodedGoal, LaterObjects, Position, Scene, Stage, Tolerances,
@@ -16,17 +16,17 @@ use rher_core::replay::Replay;
 
 const STEPS: usize = 6;
 
-fn spec(mirrors: Vec<Mirror>, exchanges: Vec<Exchange<2>>) -> EnvSpec<2> {
+fn spec(mirrors: Vec<Mirror>, permutations: Vec<Permutation<2>>) -> EnvSpec<2> {
     EnvSpec {
         name: "law".to_owned(),
         variant: String::new(),
-        observation: 2,
-        action: 1,
+        obs_dim: 2,
+        action_dim: 1,
         episode_steps: STEPS,
         subtasks: 4,
         tolerances: Tolerances::uniform(0.05),
         mirrors,
-        exchanges,
+        permutations,
     }
 }
 
@@ -59,11 +59,11 @@ fn relabeler(hindsight: f32, later_objects: LaterObjects, mirror: f32) -> Relabe
     config.hindsight = hindsight;
     config.later_objects = later_objects;
     config.mirror = mirror;
-    let reflect = |sign| Image { from: 0, sign, offset: 0.0 };
+    let reflect = |sign| SignedIndex { from: 0, sign, offset: 0.0 };
     let mirror = Mirror {
         axis: 1,
         centre: 0.1,
-        observation: vec![reflect(1.0), Image { from: 1, sign: -1.0, offset: 0.2 }],
+        observation: vec![reflect(1.0), SignedIndex { from: 1, sign: -1.0, offset: 0.2 }],
         action: vec![reflect(-1.0)],
     };
     Relabeler::new(&config, &spec(vec![mirror], Vec::new()))
@@ -76,9 +76,9 @@ fn input_encoder<const N: usize>(goal_frame: GoalFrame, spec: &EnvSpec<N>) -> In
 
 /// The two objects change places; the two numbers of an observation belong to one each, the second
 /// with the other sign.
-fn exchange() -> Exchange<2> {
-    let from = |from| Image { from, sign: -1.0, offset: 0.0 };
-    Exchange { objects: [1, 0], observation: vec![from(1), from(0)] }
+fn exchange() -> Permutation<2> {
+    let from = |from| SignedIndex { from, sign: -1.0, offset: 0.0 };
+    Permutation { order: [1, 0], observation: vec![from(1), from(0)] }
 }
 
 proptest! {
@@ -143,8 +143,8 @@ proptest! {
         prop_assert_eq!(rewarded, batch.rewards.iter().filter(|reward| **reward == 0.0).count());
         let kept = &episodes[episodes.len().saturating_sub(3)..];
         for row in 0..16 {
-            let input = &batch.inputs[row * batch.input..][..batch.input];
-            let next = &batch.next_inputs[row * batch.input..][..batch.input];
+            let input = &batch.inputs[row * batch.input_dim..][..batch.input_dim];
+            let next = &batch.next_inputs[row * batch.input_dim..][..batch.input_dim];
             let is_step = |episode: &Episode<2>, step: usize| {
                 input[..2] == episode.observations[2 * step..][..2]
                     && next[..2] == episode.observations[2 * (step + 1)..][..2]
@@ -168,8 +168,8 @@ proptest! {
         let stage = Stage::from_index(stage).unwrap();
         relabeler(0.0, LaterObjects::Now, 0.0)
             .draw(&replay, &encoder, stage, &mut batch, 0..8, &mut rng);
-        let inputs = batch.inputs.chunks(batch.input);
-        let simpler = batch.simpler_inputs.chunks(batch.input);
+        let inputs = batch.inputs.chunks(batch.input_dim);
+        let simpler = batch.simpler_inputs.chunks(batch.input_dim);
         for ((input, simpler), imitates) in inputs.zip(simpler).zip(&batch.imitates) {
             let is_step = |step: &usize| input[..2] == episode.observations[2 * step..][..2];
             let step = (0..STEPS).find(is_step).unwrap();
@@ -178,7 +178,7 @@ proptest! {
             prop_assert_eq!(*imitates, stage.object() == 1 && apart > 0.05);
             if *imitates {
                 let goal = EncodedGoal::new(Stage::place(0), now, &episode.desired);
-                let mut expected = vec![0.0; batch.input];
+                let mut expected = vec![0.0; batch.input_dim];
                 encoder.write(&input[..2], now, &goal, &mut expected);
                 prop_assert_eq!(simpler, expected);
             }
@@ -224,7 +224,7 @@ proptest! {
         episode in episode(), stage in 0..4_usize, seed: u64,
     ) {
         let spec = spec(Vec::new(), vec![exchange()]);
-        let order = exchange().objects;
+        let order = exchange().order;
         // The first object takes nobody's place.
         let order = if stage < 2 { [0, 1] } else { order };
         let mut other = episode.clone();
@@ -233,7 +233,7 @@ proptest! {
         let pairs = episode.observations.chunks_exact(2).zip(other.observations.chunks_exact_mut(2));
         for (observation, image) in pairs {
             if stage >= 2 {
-                Image::apply(&exchange().observation, observation, image);
+                SignedIndex::apply(&exchange().observation, observation, image);
             }
         }
         let encoder = input_encoder(GoalFrame::Relative, &spec);
@@ -278,12 +278,12 @@ proptest! {
             encoder.write(numbers, now, &goal, &mut row);
             row
         };
-        let Exchange { objects, observation } = exchange();
+        let Permutation { order, observation } = exchange();
         let mut exchanged = [0.0; 2];
-        Image::apply(&observation, &numbers, &mut exchanged);
+        SignedIndex::apply(&observation, &numbers, &mut exchanged);
         prop_assert_eq!(
             row(&now, &desired, &numbers),
-            row(&Achieved(scene.reordered(&objects)), &desired.reordered(&objects), &exchanged)
+            row(&Achieved(scene.reordered(&order)), &desired.reordered(&order), &exchanged)
         );
     }
 }

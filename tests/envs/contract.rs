@@ -25,11 +25,11 @@ impl EnvVisitor for Contract {
         assert_eq!(spec.name, task.name());
         assert!((1..=2 * N).contains(&spec.subtasks), "{task}");
         for mirror in &spec.mirrors {
-            assert_eq!(mirror.observation.len(), spec.observation, "{task}");
-            assert_eq!(mirror.action.len(), spec.action, "{task}");
+            assert_eq!(mirror.observation.len(), spec.obs_dim, "{task}");
+            assert_eq!(mirror.action.len(), spec.action_dim, "{task}");
         }
 
-        let mut observation = vec![f32::NAN; spec.observation];
+        let mut observation = vec![f32::NAN; spec.obs_dim];
         let mut again = observation.clone();
         let mut rng = ChaCha8Rng::seed_from_u64(1);
         for seed in 0..20 {
@@ -38,7 +38,7 @@ impl EnvVisitor for Contract {
             assert_eq!(observation, again, "{task} {seed}");
             check_frame(task, start.achieved, &observation);
             for _ in 0..spec.episode_steps {
-                let action = &random_action(&mut rng)[..spec.action];
+                let action = &random_action(&mut rng)[..spec.action_dim];
                 let achieved = env.step(action, &mut observation).unwrap();
                 check_frame(task, achieved, &observation);
             }
@@ -46,11 +46,11 @@ impl EnvVisitor for Contract {
         let start = env.reset(1, &mut observation).unwrap();
         assert_ne!(start.desired, env.reset(2, &mut observation).unwrap().desired, "{task}");
 
-        let mut fits = vec![0.0; spec.observation];
-        let width = spec.action;
+        let mut fits = vec![0.0; spec.obs_dim];
+        let width = spec.action_dim;
         assert!(env.step(&vec![0.0; width - 1], &mut fits).is_err(), "{task}");
         assert!(env.step(&vec![f32::NAN; width], &mut fits).is_err(), "{task}");
-        assert!(env.reset(0, &mut vec![0.0; spec.observation + 1]).is_err(), "{task}");
+        assert!(env.reset(0, &mut vec![0.0; spec.obs_dim + 1]).is_err(), "{task}");
     }
 }
 
@@ -125,7 +125,7 @@ impl EnvVisitor for BeginSolved {
 
     fn visit<const N: usize, E: Simulated<N>>(self, build: impl Fn() -> E + Sync) -> f32 {
         let mut env = build();
-        let mut observation = vec![0.0; env.spec().observation];
+        let mut observation = vec![0.0; env.spec().obs_dim];
         let mut solved = 0.0;
         for seed in 0..10_000 {
             let start = env.reset(seed, &mut observation).unwrap();
@@ -154,7 +154,7 @@ impl EnvVisitor for Succeed {
 
     fn visit<const N: usize, E: Simulated<N>>(self, build: impl Fn() -> E + Sync) -> f32 {
         let mut env = build();
-        let mut observation = vec![0.0; env.spec().observation];
+        let mut observation = vec![0.0; env.spec().obs_dim];
         let mut rng = ChaCha8Rng::seed_from_u64(2);
         let mut solved = 0.0;
         for seed in 0..300 {
@@ -162,7 +162,7 @@ impl EnvVisitor for Succeed {
             let mut achieved = start.achieved;
             for _ in 0..env.spec().episode_steps {
                 let action = if self.random { random_action(&mut rng) } else { [0.0; 4] };
-                achieved = env.step(&action[..env.spec().action], &mut observation).unwrap();
+                achieved = env.step(&action[..env.spec().action_dim], &mut observation).unwrap();
             }
             solved += f32::from(u8::from(is_met(&env, achieved, &start.desired)));
         }

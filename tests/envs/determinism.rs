@@ -61,7 +61,7 @@ fn episode<const N: usize>(env: &mut impl Simulated<N>, seed: u64) -> Bits {
 }
 
 fn start<const N: usize>(env: &mut impl Simulated<N>, seed: u64) -> Vec<f32> {
-    let mut observation = vec![0.0; env.spec().observation];
+    let mut observation = vec![0.0; env.spec().obs_dim];
     env.reset(seed, &mut observation).unwrap();
     observation
 }
@@ -76,7 +76,7 @@ fn run<const N: usize>(
     actions: &[[f32; 4]],
     observation: &mut [f32],
 ) -> Bits {
-    let width = env.spec().action;
+    let width = env.spec().action_dim;
     actions
         .iter()
         .map(|action| {

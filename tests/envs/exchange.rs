@@ -3,18 +3,18 @@
 use crate::support::{random_action, seen_clearly};
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
-use rher_core::env::Image;
+use rher_core::env::SignedIndex;
 use rher_core::goal::Achieved;
 use rher_envs::{EnvVisitor, Layout, Simulated, Task};
 
 #[test]
 fn exchanged_objects_are_seen_in_each_others_place() {
-    let mut exchanges = Vec::new();
+    let mut permutations = Vec::new();
     for task in Task::ALL {
         let count = task.visit_with(&seen_clearly(*task), Exchanged(*task)).unwrap();
-        exchanges.extend((count > 0).then(|| (task.name(), count)));
+        permutations.extend((count > 0).then(|| (task.name(), count)));
     }
-    assert_eq!(exchanges, [("dpush", 1), ("stack", 1), ("tpush", 5), ("tstack", 5)]);
+    assert_eq!(permutations, [("dpush", 1), ("stack", 1), ("tpush", 5), ("tstack", 5)]);
 }
 
 struct Exchanged(Task);
@@ -26,27 +26,27 @@ impl EnvVisitor for Exchanged {
     fn visit<const N: usize, E: Simulated<N>>(self, build: impl Fn() -> E + Sync) -> usize {
         let task = self.0;
         let (mut env, mut image) = (build(), build());
-        let exchanges = env.spec().exchanges.clone();
-        let mut observation = vec![0.0; env.spec().observation];
+        let permutations = env.spec().permutations.clone();
+        let mut observation = vec![0.0; env.spec().obs_dim];
         let (mut seen, mut expected) = (observation.clone(), observation.clone());
-        for exchange in &exchanges {
+        for exchange in &permutations {
             for seed in 0..10 {
                 let mut rng = ChaCha8Rng::seed_from_u64(seed);
                 let start = env.reset(seed, &mut observation).unwrap();
                 let layout = Layout::new(
-                    start.achieved.0.reordered(&exchange.objects).objects,
-                    *start.desired.reordered(&exchange.objects).objects(),
+                    start.achieved.0.reordered(&exchange.order).objects,
+                    *start.desired.reordered(&exchange.order).objects(),
                 );
                 image.arrange(layout, &mut seen).unwrap();
                 'episode: for step in 0..25 {
-                    Image::apply(&exchange.observation, &observation, &mut expected);
+                    SignedIndex::apply(&exchange.observation, &observation, &mut expected);
                     for (i, (seen, expected)) in seen.iter().zip(&expected).enumerate() {
                         assert!(
                             (seen - expected).abs() < 1e-3,
                             "{task}, seed {seed}, step {step}, number {i}: {seen}, not {expected}"
                         );
                     }
-                    let action = &random_action(&mut rng)[..env.spec().action];
+                    let action = &random_action(&mut rng)[..env.spec().action_dim];
                     let Achieved(here) = env.step(action, &mut observation).unwrap();
                     image.step(action, &mut seen).unwrap();
                     // Contacts are solved in the order of the objects.
@@ -56,6 +56,6 @@ impl EnvVisitor for Exchanged {
                 }
             }
         }
-        exchanges.len()
+        permutations.len()
     }
 }

@@ -46,14 +46,14 @@ impl EnvVisitor for EpisodeHash {
     fn visit<const N: usize, E: Simulated<N>>(self, build: impl Fn() -> E + Sync) -> u64 {
         let mut env = build();
         let spec = env.spec().clone();
-        let mut observation = vec![0.0; spec.observation];
+        let mut observation = vec![0.0; spec.obs_dim];
         let mut rng = ChaCha8Rng::seed_from_u64(1);
         let start = env.reset(1, &mut observation).unwrap();
         let mut hash = Fnv(0xcbf2_9ce4_8422_2325);
         hash.add(&observation);
         hash.add_scene(start.achieved);
         for _ in 0..spec.episode_steps {
-            let action = &random_action(&mut rng)[..spec.action];
+            let action = &random_action(&mut rng)[..spec.action_dim];
             let achieved = env.step(action, &mut observation).unwrap();
             hash.add(&observation);
             hash.add_scene(achieved);

@@ -3,7 +3,7 @@
 use crate::support::{random_action, seen_clearly};
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
-use rher_core::env::{Image, Mirror};
+use rher_core::env::{Mirror, SignedIndex};
 use rher_core::goal::{Achieved, Position, Scene};
 use rher_envs::{EnvVisitor, Layout, Simulated, Task};
 
@@ -23,7 +23,7 @@ impl EnvVisitor for Mirrored {
         let task = self.0;
         let (mut env, mut image) = (build(), build());
         let spec = env.spec().clone();
-        let mut observation = vec![0.0; spec.observation];
+        let mut observation = vec![0.0; spec.obs_dim];
         let mut seen = observation.clone();
         let mut expected = observation.clone();
         for (mirror, seed) in
@@ -35,13 +35,13 @@ impl EnvVisitor for Mirrored {
             let start = env.reset(seed, &mut observation).unwrap();
             let layout = mirrored_layout(mirror, start.achieved, start.desired.objects());
             image.arrange(layout, &mut seen).unwrap();
-            Image::apply(&mirror.observation, &observation, &mut expected);
+            SignedIndex::apply(&mirror.observation, &observation, &mut expected);
             assert_near(task, &seen, &expected, 1e-5);
             // Held for a few steps each, so that the hand gets somewhere.
             'episode: for _ in 0..5 {
-                let action = &random_action(&mut rng)[..spec.action];
+                let action = &random_action(&mut rng)[..spec.action_dim];
                 let mut mirrored = vec![0.0; action.len()];
-                Image::apply(&mirror.action, action, &mut mirrored);
+                SignedIndex::apply(&mirror.action, action, &mut mirrored);
                 for _ in 0..5 {
                     let Achieved(here) = env.step(action, &mut observation).unwrap();
                     image.step(&mirrored, &mut seen).unwrap();
@@ -50,7 +50,7 @@ impl EnvVisitor for Mirrored {
                     if touched(&here, &start.achieved.0) || off > far {
                         break 'episode;
                     }
-                    Image::apply(&mirror.observation, &observation, &mut expected);
+                    SignedIndex::apply(&mirror.observation, &observation, &mut expected);
                     assert_near(task, &seen, &expected, later);
                 }
             }
@@ -92,7 +92,7 @@ fn a_block_turns_the_other_way_in_the_mirror() {
     push.reset(0);
     let mirror = rher_core::env::Env::spec(&push.env).mirrors[0].clone();
     let mut expected = vec![0.0; here.len()];
-    Image::apply(&mirror.observation, &here, &mut expected);
+    SignedIndex::apply(&mirror.observation, &here, &mut expected);
     assert!(here[13] > 0.1, "yaw {}", here[13]);
     // Contacts are solved one after the other, and their order has no mirror image.
     assert_near(Task::Push, &there, &expected, 0.05);

@@ -93,14 +93,14 @@ impl EnvVisitor for Wild {
         let task = self.0;
         let (mut env, mut again) = (build(), build());
         let spec = env.spec().clone();
-        let (mut seen, mut repeated) = (vec![0.0; spec.observation], vec![0.0; spec.observation]);
+        let (mut seen, mut repeated) = (vec![0.0; spec.obs_dim], vec![0.0; spec.obs_dim]);
         for seed in 0..20 {
             let mut rng = ChaCha8Rng::seed_from_u64(seed);
             let start = env.reset(seed, &mut seen).unwrap();
             assert_eq!(start, again.reset(seed, &mut repeated).unwrap(), "{task} {seed}");
             let mut before = env.truth().unwrap().0;
             for _ in 0..spec.episode_steps {
-                let action = &random_action(&mut rng)[..spec.action];
+                let action = &random_action(&mut rng)[..spec.action_dim];
                 let achieved = env.step(action, &mut seen).unwrap();
                 assert_eq!(achieved, again.step(action, &mut repeated).unwrap(), "{task} {seed}");
                 assert_eq!(seen, repeated, "{task} {seed}");

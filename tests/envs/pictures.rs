@@ -37,7 +37,7 @@ fn blob(image: &Image, channel: usize) -> ([f32; 2], usize) {
 
 fn things_with_block_at(block: Position) -> Vec<Thing> {
     let mut env = Simulation::<Push, 1>::new();
-    let mut observation = vec![0.0; env.spec().observation];
+    let mut observation = vec![0.0; env.spec().obs_dim];
     env.arrange(Layout::new([block], [block]), &mut observation).unwrap();
     env.things()
 }
@@ -76,7 +76,7 @@ fn what_is_nearer_hides_what_is_behind() {
 #[test]
 fn a_goal_in_a_hole_shines_through() {
     let mut env = Simulation::<Insert, 1>::new();
-    let mut observation = vec![0.0; env.spec().observation];
+    let mut observation = vec![0.0; env.spec().obs_dim];
     let start = env.reset(0, &mut observation).unwrap();
     let mut things = env.things();
     let without = draw(&things);
@@ -89,7 +89,7 @@ fn a_goal_in_a_hole_shines_through() {
 #[test]
 fn a_picture_depends_on_nothing_but_what_is_in_it() {
     let mut env = Simulation::<TPush, 3>::new();
-    let mut observation = vec![0.0; env.spec().observation];
+    let mut observation = vec![0.0; env.spec().obs_dim];
     let start = env.reset(0, &mut observation).unwrap();
     let mut things = env.things();
     things.extend(env.goals(&start.desired));
@@ -131,7 +131,7 @@ impl EnvVisitor for PerSecond {
     fn visit<const N: usize, E: Simulated<N>>(self, build: impl Fn() -> E + Sync) -> f64 {
         const PICTURES: u32 = 10;
         let mut env = build();
-        let mut observation = vec![0.0; env.spec().observation];
+        let mut observation = vec![0.0; env.spec().obs_dim];
         let start = env.reset(0, &mut observation).unwrap();
         let mut things = env.things();
         things.extend(env.goals(&start.desired));

@@ -29,7 +29,7 @@ impl EnvVisitor for Alike {
             let envs = (0..ENVS).map(|_| build()).collect();
             let mut pool = Pool::new(envs, threads, AutoReset::NextStep).unwrap();
             pool.reset(&[4, 5, 6]).unwrap();
-            let (action, steps) = (pool.spec().action, pool.spec().episode_steps);
+            let (action, steps) = (pool.spec().action_dim, pool.spec().episode_steps);
             let mut rng = ChaCha8Rng::seed_from_u64(1);
             let mut seen = vec![(pool.now().clone(), pool.rewards().to_vec())];
             for _ in 0..steps + 3 {
@@ -46,15 +46,14 @@ impl EnvVisitor for Alike {
         let mut env = build();
         let spec = env.spec().clone();
         let mut rng = ChaCha8Rng::seed_from_u64(1);
-        let mut observation = vec![0.0; spec.observation];
+        let mut observation = vec![0.0; spec.obs_dim];
         env.reset(5, &mut observation).unwrap();
-        let row =
-            |frames: &Frames| frames.observations[spec.observation..2 * spec.observation].to_vec();
+        let row = |frames: &Frames| frames.observations[spec.obs_dim..2 * spec.obs_dim].to_vec();
         assert_eq!(row(&one[0].0), observation, "{task}");
         for (frames, _) in &one[1..=spec.episode_steps] {
-            let mut actions = vec![0.0; ENVS * spec.action];
+            let mut actions = vec![0.0; ENVS * spec.action_dim];
             actions.fill_with(|| rng.random_range(-1.0..1.0));
-            env.step(&actions[spec.action..2 * spec.action], &mut observation).unwrap();
+            env.step(&actions[spec.action_dim..2 * spec.action_dim], &mut observation).unwrap();
             assert_eq!(row(frames), observation, "{task}");
         }
         env.reset(Seed(5).episode(Purpose::Environment, 1), &mut observation).unwrap();

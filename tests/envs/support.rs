@@ -56,7 +56,7 @@ where
 
 impl<E: Simulated<N>, const N: usize> Stand<E, N> {
     pub(crate) fn new(env: E) -> Self {
-        let observation = vec![0.0; env.spec().observation];
+        let observation = vec![0.0; env.spec().obs_dim];
         let mut stand = Self { env, observation, scene: nowhere() };
         stand.reset(0);
         stand
@@ -80,7 +80,7 @@ impl<E: Simulated<N>, const N: usize> Stand<E, N> {
     }
 
     pub(crate) fn step(&mut self, action: [f32; ACTION_WIDTH]) {
-        let action = &action[..self.env.spec().action];
+        let action = &action[..self.env.spec().action_dim];
         self.scene = self.env.step(action, &mut self.observation).unwrap().0;
     }
 

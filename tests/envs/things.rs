@@ -15,7 +15,7 @@ impl EnvVisitor for Look {
 
     fn visit<const N: usize, E: Simulated<N>>(self, build: impl Fn() -> E + Sync) -> Self::Output {
         let mut env = build();
-        let mut observation = vec![0.0; env.spec().observation];
+        let mut observation = vec![0.0; env.spec().obs_dim];
         let start = env.reset(3, &mut observation).unwrap();
         (env.things(), env.goals(&start.desired))
     }
@@ -41,7 +41,7 @@ fn every_task_has_a_table_a_hand_and_goals_each_with_a_name_of_its_own() {
 #[test]
 fn things_are_where_objects_are_and_have_their_colour() {
     let mut env = Simulation::<TPush, 3>::new();
-    let mut observation = vec![0.0; env.spec().observation];
+    let mut observation = vec![0.0; env.spec().obs_dim];
     let start = env.reset(5, &mut observation).unwrap();
     let mut achieved = start.achieved;
     for _ in 0..20 {
@@ -62,7 +62,7 @@ fn things_are_where_objects_are_and_have_their_colour() {
 #[test]
 fn a_drawer_moves_with_its_handle() {
     let mut env = Simulation::<Drawer, 1>::new();
-    let mut observation = vec![0.0; env.spec().observation];
+    let mut observation = vec![0.0; env.spec().obs_dim];
     let mut at = |open: f32| {
         let mut handle = Position::new(1.376, 0.63, 0.45);
         handle.x -= open;
@@ -80,7 +80,7 @@ fn a_block_of_another_size_is_seen_so() {
     let mut options = Options::of(&[]);
     options.randomize.size = [1.2, 1.2];
     let mut env = Simulation::<Push, 1>::with(&options).unwrap();
-    let mut observation = vec![0.0; env.spec().observation];
+    let mut observation = vec![0.0; env.spec().obs_dim];
     env.reset(0, &mut observation).unwrap();
     let things = env.things();
     let Form::Box(half) = named(&things, "block_1").shapes[0].form else { panic!("not a box") };

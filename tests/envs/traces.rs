@@ -141,7 +141,7 @@ impl EnvVisitor for Replay {
 }
 
 fn replay<const N: usize>(env: &mut impl Simulated<N>, recording: &[Row]) -> Replayed {
-    let mut observation = vec![0.0; env.spec().observation];
+    let mut observation = vec![0.0; env.spec().obs_dim];
     let first = &recording[0];
     let layout = Layout::new([first.object(); N], [first.target; N]);
     let mut before = env.arrange(layout, &mut observation).unwrap().achieved;

@@ -30,9 +30,9 @@ impl Trained {
         let folder = path.is_dir().then_some(path);
         let file = folder.map_or_else(|| path.to_owned(), |folder| folder.join(POLICY_FILE));
         let policy = Policy::load(&file)?;
-        let name = policy.about().task.clone();
+        let name = policy.info().task.clone();
         let task: Task = name.parse().map_err(|_| ForeignTask { name })?;
-        let options = made_with(&policy.about().variant, task)?;
+        let options = made_with(&policy.info().variant, task)?;
         let run = folder.and_then(rher_runs::read_config);
         let folder = folder.map(Path::to_owned);
         Ok(Self { policy, task, options, file, folder, run })

@@ -5,7 +5,7 @@ use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use rher_core::batch::Batch;
 use rher_core::config::Preset;
-use rher_core::env::{EnvSpec, Image, Mirror};
+use rher_core::env::{EnvSpec, Mirror, SignedIndex};
 use rher_core::episode::Episode;
 use rher_core::goal::{Achieved, Desired, Position, Scene, Stage, Tolerances};
 use rher_core::input::InputEncoder;
@@ -19,12 +19,12 @@ const EPISODES: usize = 20_000;
 const ROWS: usize = 256;
 
 fn spec() -> EnvSpec<1> {
-    let same = |from| Image { from, sign: 1.0, offset: 0.0 };
+    let same = |from| SignedIndex { from, sign: 1.0, offset: 0.0 };
     EnvSpec {
         name: "bench".to_owned(),
         variant: String::new(),
-        observation: OBSERVATION,
-        action: ACTION,
+        obs_dim: OBSERVATION,
+        action_dim: ACTION,
         episode_steps: STEPS,
         subtasks: 2,
         tolerances: Tolerances::uniform(0.05),
@@ -34,7 +34,7 @@ fn spec() -> EnvSpec<1> {
             observation: (0..OBSERVATION).map(same).collect(),
             action: (0..ACTION).map(same).collect(),
         }],
-        exchanges: Vec::new(),
+        permutations: Vec::new(),
     }
 }
 

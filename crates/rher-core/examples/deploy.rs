@@ -18,13 +18,13 @@ fn read_robot(observation: &mut [f32]) -> Achieved<1> {
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let path = std::env::args().nth(1).ok_or("expected the path of a policy file")?;
     let policy = Policy::load(&PathBuf::from(path))?;
-    let about = policy.about();
+    let about = policy.info();
     let task = Stage::<1>::from_index(about.subtasks - 1).ok_or("expected one object")?;
     let desired = Desired::of_task([Position::new(1.3, 0.7, 0.42)]);
 
     let mut actor = policy.actor();
-    let mut observation = vec![0.0; about.observation];
-    let mut action = vec![0.0; about.action];
+    let mut observation = vec![0.0; about.obs_dim];
+    let mut action = vec![0.0; about.action_dim];
     for step in 0..25 {
         let period = Instant::now();
         let achieved = read_robot(&mut observation);

@@ -4,7 +4,7 @@
 ///
 /// # Shapes
 ///
-/// `inputs`, `next_inputs`, `simpler_inputs`: `[rows, input]`; `actions`: `[rows, action]`;
+/// `inputs`, `next_inputs`, `simpler_inputs`: `[rows, input_dim]`; `actions`: `[rows, action_dim]`;
 /// `rewards`, `imitates`: `[rows]`.
 /// All are row-major. There is no end flag: a time-out is not an end, so every next state counts.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -23,23 +23,23 @@ pub struct Batch {
     /// Normalised observation before the step, with the goal of that sub-task.
     pub simpler_inputs: Vec<f32>,
     /// Numbers in one row of `inputs`.
-    pub input: usize,
+    pub input_dim: usize,
     /// Numbers in one row of `actions`.
-    pub action: usize,
+    pub action_dim: usize,
 }
 
 impl Batch {
     /// A batch of zeros.
-    pub fn zeros(rows: usize, input: usize, action: usize) -> Self {
+    pub fn zeros(rows: usize, input_dim: usize, action_dim: usize) -> Self {
         Self {
-            inputs: vec![0.0; rows * input],
-            actions: vec![0.0; rows * action],
+            inputs: vec![0.0; rows * input_dim],
+            actions: vec![0.0; rows * action_dim],
             rewards: vec![0.0; rows],
-            next_inputs: vec![0.0; rows * input],
+            next_inputs: vec![0.0; rows * input_dim],
             imitates: vec![false; rows],
-            simpler_inputs: vec![0.0; rows * input],
-            input,
-            action,
+            simpler_inputs: vec![0.0; rows * input_dim],
+            input_dim,
+            action_dim,
         }
     }
 

@@ -12,9 +12,9 @@ pub struct EnvSpec<const N: usize> {
     /// them. Empty where there are none.
     pub variant: String,
     /// Numbers in an observation.
-    pub observation: usize,
+    pub obs_dim: usize,
     /// Numbers in an action; each is in [−1, 1].
-    pub action: usize,
+    pub action_dim: usize,
     /// Steps of every episode, the paper's T; episodes never end early.
     pub episode_steps: usize,
     /// How many sub-tasks to learn, from the first: 2 N, or fewer where the task ends sooner.
@@ -24,22 +24,22 @@ pub struct EnvSpec<const N: usize> {
     /// The scene's planes of symmetry, each perpendicular to another axis.
     pub mirrors: Vec<Mirror>,
     /// Other orders of objects that are alike; empty where every object is of its own kind.
-    pub exchanges: Vec<Exchange<N>>,
+    pub permutations: Vec<Permutation<N>>,
 }
 
 impl<const N: usize> EnvSpec<N> {
     /// Every one of the 2 N sub-tasks, tolerances of 5 cm, no symmetry.
-    pub fn new(name: &str, observation: usize, action: usize, episode_steps: usize) -> Self {
+    pub fn new(name: &str, obs_dim: usize, action_dim: usize, episode_steps: usize) -> Self {
         Self {
             name: name.to_owned(),
             variant: String::new(),
-            observation,
-            action,
+            obs_dim,
+            action_dim,
             episode_steps,
             subtasks: 2 * N,
             tolerances: Tolerances::uniform(0.05),
             mirrors: Vec::new(),
-            exchanges: Vec::new(),
+            permutations: Vec::new(),
         }
     }
 }
@@ -53,24 +53,24 @@ pub struct Mirror {
     /// Where the plane crosses that axis, in metres.
     pub centre: f32,
     /// One entry for each number of an observation.
-    pub observation: Vec<Image>,
+    pub observation: Vec<SignedIndex>,
     /// One entry for each number of an action.
-    pub action: Vec<Image>,
+    pub action: Vec<SignedIndex>,
 }
 
 /// Objects that are alike in another order: every episode in which they change names obeys the
 /// same physics. Actions are as they were.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Exchange<const N: usize> {
+pub struct Permutation<const N: usize> {
     /// For each place in the order, which object comes there.
-    pub objects: [usize; N],
+    pub order: [usize; N],
     /// One entry for each number of an observation.
-    pub observation: Vec<Image>,
+    pub observation: Vec<SignedIndex>,
 }
 
 /// One number of a vector's image under a symmetry: `sign * original[from] + offset`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Image {
+pub struct SignedIndex {
     /// Index in the original vector.
     pub from: usize,
     /// 1 or −1.
@@ -90,7 +90,7 @@ impl Mirror {
     }
 }
 
-impl Image {
+impl SignedIndex {
     /// The images under one symmetry and then another; no entries are no change.
     pub(crate) fn then(first: &[Self], second: &[Self]) -> Vec<Self> {
         let both = |second: &Self| match first.get(second.from) {

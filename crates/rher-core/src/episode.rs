@@ -72,7 +72,7 @@ pub fn rollout<const N: usize>(
 ) -> Result<Episode<N>, RolloutError> {
     let (observation, action, steps) = {
         let spec = env.spec();
-        (spec.observation, spec.action, spec.episode_steps)
+        (spec.obs_dim, spec.action_dim, spec.episode_steps)
     };
     let mut observations = vec![0.0; (steps + 1) * observation];
     let mut actions = vec![0.0; steps * action];

@@ -3,8 +3,8 @@
 use crate::config::{EvaluationConfig, TestPolicy};
 use crate::env::Env;
 use crate::episode::{Episode, RolloutError, rollout};
-use crate::explore::Decider;
-use crate::explore::{Decision, Script};
+use crate::explore::ActionSource;
+use crate::explore::{ActionLog, Decision};
 use crate::goal::{Achieved, Desired, EncodedGoal, Leg, Stage, Tolerances};
 use crate::policy::Critic;
 use crate::policy::{Mismatch, Policy};
@@ -63,9 +63,9 @@ pub fn evaluate<const N: usize, E: Env<N>>(
     let spec = envs[0].spec();
     policy.check(spec)?;
     let tolerances = spec.tolerances;
-    let stages: Vec<Stage<N>> = Stage::all().take(policy.about().subtasks).collect();
+    let stages: Vec<Stage<N>> = Stage::all().take(policy.info().subtasks).collect();
     let last = stages.len() - 1;
-    let first = policy.about().untrained;
+    let first = policy.info().untrained;
     let plays: Vec<(Stage<N>, u64)> = stages[first..]
         .iter()
         .flat_map(|&stage| {
@@ -146,16 +146,16 @@ pub struct Played<const N: usize> {
 impl<const N: usize> Played<N> {
     /// What the episode can be played again from, as number `number` of its kind, with what
     /// `critic` expects of its actions.
-    pub fn script(&self, number: u64, critic: Option<&Critic>) -> Script {
+    pub fn script(&self, number: u64, critic: Option<&Critic>) -> ActionLog {
         let Self { stage: goal, seed, episode, stages } = self;
         let values = critic.map(|critic| critic.values(episode, stages));
         let decision = |(step, stage): (usize, &Stage<N>)| Decision {
-            decider: if stage == goal { Decider::Learner } else { Decider::Guide },
+            source: if stage == goal { ActionSource::Learner } else { ActionSource::Guide },
             subtask: stage.index(),
             value: values.as_ref().map(|values| values[step]),
         };
         let decisions = stages.iter().enumerate().map(decision).collect();
-        Script { number, seed: *seed, actions: episode.actions.clone(), decisions }
+        ActionLog { number, seed: *seed, actions: episode.actions.clone(), decisions }
     }
 }
 
@@ -169,7 +169,7 @@ pub fn play<const N: usize>(
     episode: u64,
 ) -> Result<Played<N>, RolloutError> {
     let tolerances = env.spec().tolerances;
-    let reach_distance = policy.about().reach_distance;
+    let reach_distance = policy.info().reach_distance;
     let mut actor = policy.actor();
     let mut rng = seed.stream(Purpose::Exploration, episode);
     let mut stages = Vec::with_capacity(env.spec().episode_steps);

@@ -1,13 +1,13 @@
 //! What happens in a run, for those who watch it.
 
-use crate::explore::Script;
+use crate::explore::ActionLog;
 use serde::{Deserialize, Serialize};
 
 /// Something that happened in a run.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Event {
     /// A training episode was played that the observer [wants](Observer::wants).
-    Explored(Box<Script>),
+    Explored(Box<ActionLog>),
     /// Training episodes ended and the updates after them were made.
     Progress(Progress),
     /// An evaluation ended.
@@ -51,7 +51,7 @@ pub struct Metrics {
     /// Share of training episodes that ended with the task solved.
     pub train_success: f32,
     /// Share of training steps in which the guide, the learner or chance acted.
-    pub acted: Acted,
+    pub acted: SourceShares,
     /// For each object, share of training episodes that moved it by more than a centimetre.
     pub moved: Vec<f32>,
     /// Share of update batches in which every reward was the same, by sub-task (the paper's NNSR).
@@ -76,7 +76,7 @@ pub struct Metrics {
 
 /// Who acted, as shares that add up to 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Acted {
+pub struct SourceShares {
     /// The guide's policy.
     pub guide: f32,
     /// The learner's policy.

@@ -2,7 +2,7 @@
 
 use crate::batch::Batch;
 use crate::config::{Method, RelayConfig};
-use crate::env::{EnvSpec, Exchange, Image, Mirror};
+use crate::env::{EnvSpec, Mirror, Permutation, SignedIndex};
 use crate::episode::Episode;
 use crate::goal::{
     Achieved, Desired, EncodedGoal, LaterObjects, Position, SUCCESS, Scene, Stage, Tolerances,
@@ -24,9 +24,9 @@ pub struct Relabeler<const N: usize> {
     reflections: Vec<Reflection>,
     mirror: f32,
     /// For each object, the orders in which an earlier one has its place.
-    exchanges: [Vec<Exchange<N>>; N],
+    permutations: [Vec<Permutation<N>>; N],
     exchange: f32,
-    exchanged: [Vec<f32>; 2],
+    permuted: [Vec<f32>; 2],
     mirrored: [Vec<f32>; 2],
 }
 
@@ -38,16 +38,16 @@ const AHEAD: usize = 32;
 #[derive(Clone, Debug, Default)]
 struct Reflection {
     mirrors: Vec<Mirror>,
-    observation: Vec<Image>,
-    action: Vec<Image>,
+    observation: Vec<SignedIndex>,
+    action: Vec<SignedIndex>,
 }
 
 /// What a row is to be.
 #[derive(Clone, Copy, Debug, Default)]
 struct Draw {
     index: StepIndex,
-    /// Which of the exchanges of the sub-task's object takes part.
-    exchange: Option<usize>,
+    /// Which of the permutations of the sub-task's object takes part.
+    permutation: Option<usize>,
     /// The step whose scene is the goal, in hindsight.
     later: Option<usize>,
     /// Which of the reflections.
@@ -58,10 +58,10 @@ impl<const N: usize> Relabeler<N> {
     /// A relabeller with the shares of `config`, for environments like `spec`.
     pub fn new(config: &RelayConfig, spec: &EnvSpec<N>) -> Self {
         let of_object = |object| {
-            let earlier = |exchange: &&Exchange<N>| exchange.objects[object] < object;
-            spec.exchanges.iter().filter(earlier).cloned().collect()
+            let earlier = |permutation: &&Permutation<N>| permutation.order[object] < object;
+            spec.permutations.iter().filter(earlier).cloned().collect()
         };
-        let scratch = || [vec![0.0; spec.observation], vec![0.0; spec.observation]];
+        let scratch = || [vec![0.0; spec.obs_dim], vec![0.0; spec.obs_dim]];
         Self {
             tolerances: config.tolerances(spec),
             method: config.method,
@@ -69,9 +69,9 @@ impl<const N: usize> Relabeler<N> {
             later_objects: config.later_objects,
             reflections: Reflection::all(if config.mirror > 0.0 { &spec.mirrors } else { &[] }),
             mirror: config.mirror,
-            exchanges: array::from_fn(of_object),
+            permutations: array::from_fn(of_object),
             exchange: config.exchange,
-            exchanged: scratch(),
+            permuted: scratch(),
             mirrored: scratch(),
         }
     }
@@ -131,7 +131,7 @@ impl<const N: usize> Relabeler<N> {
     /// Draws what a row is to be.
     fn draw_row(&self, replay: &Replay<N>, stage: Stage<N>, rng: &mut impl Rng) -> Draw {
         let index = replay.draw(rng);
-        let exchange = match self.exchanges[stage.object()].len() {
+        let permutation = match self.permutations[stage.object()].len() {
             0 => None,
             _ if self.exchange == 0.0 => None,
             // One draw for whether and which: past the last one there is none.
@@ -142,7 +142,7 @@ impl<const N: usize> Relabeler<N> {
         let mirrors = self.reflections.len().ilog2();
         let mirrored = (0..mirrors).map(|_| usize::from(rng.random::<f32>() < self.mirror));
         let reflection = mirrored.fold(0, |which, mirrored| 2 * which + mirrored);
-        Draw { index, exchange, later, reflection }
+        Draw { index, permutation, later, reflection }
     }
 
     /// Fills one row, and returns whether it is rewarded.
@@ -153,10 +153,10 @@ impl<const N: usize> Relabeler<N> {
         stage: Stage<N>,
         batch: &mut Batch,
         row: usize,
-        &Draw { index, exchange, later, reflection }: &Draw,
+        &Draw { index, permutation, later, reflection }: &Draw,
     ) -> bool {
-        let exchange = exchange.map(|which| &self.exchanges[stage.object()][which]);
-        let order = exchange.map_or_else(|| array::from_fn(|object| object), |it| it.objects);
+        let permutation = permutation.map(|which| &self.permutations[stage.object()][which]);
+        let order = permutation.map_or_else(|| array::from_fn(|object| object), |it| it.order);
         let at = |step| StepIndex { slot: index.slot, step };
         let scene = |step| Achieved(replay.scene(at(step)).0.reordered(&order));
         let (mut now, mut next) = (scene(index.step), scene(index.step + 1));
@@ -171,29 +171,29 @@ impl<const N: usize> Relabeler<N> {
 
         let (mut before, mut after) =
             (replay.observation(index), replay.observation(at(index.step + 1)));
-        if let Some(exchange) = exchange {
-            let [exchanged_before, exchanged_after] = &mut self.exchanged;
-            Image::apply(&exchange.observation, before, exchanged_before);
-            Image::apply(&exchange.observation, after, exchanged_after);
-            (before, after) = (exchanged_before, exchanged_after);
+        if let Some(permutation) = permutation {
+            let [permuted_before, permuted_after] = &mut self.permuted;
+            SignedIndex::apply(&permutation.observation, before, permuted_before);
+            SignedIndex::apply(&permutation.observation, after, permuted_after);
+            (before, after) = (permuted_before, permuted_after);
         }
         let action = replay.action(index);
-        let action_out = &mut batch.actions[row * batch.action..(row + 1) * batch.action];
+        let action_out = &mut batch.actions[row * batch.action_dim..(row + 1) * batch.action_dim];
         if reflection == 0 {
             action_out.copy_from_slice(action);
         } else {
             let reflection = &self.reflections[reflection];
             let [mirrored_before, mirrored_after] = &mut self.mirrored;
-            Image::apply(&reflection.observation, before, mirrored_before);
-            Image::apply(&reflection.observation, after, mirrored_after);
+            SignedIndex::apply(&reflection.observation, before, mirrored_before);
+            SignedIndex::apply(&reflection.observation, after, mirrored_after);
             (before, after) = (mirrored_before, mirrored_after);
-            Image::apply(&reflection.action, action, action_out);
+            SignedIndex::apply(&reflection.action, action, action_out);
             let image = |position| reflection.position(position);
             goal = goal.map(image);
             simpler = simpler.map(|goal| goal.map(image));
             (now, next) = (now.map(image), next.map(image));
         }
-        let input = row * batch.input..(row + 1) * batch.input;
+        let input = row * batch.input_dim..(row + 1) * batch.input_dim;
         encoder.write(before, &now, &goal, &mut batch.inputs[input.clone()]);
         encoder.write(after, &next, &goal, &mut batch.next_inputs[input.clone()]);
         batch.imitates[row] = simpler.is_some();
@@ -252,8 +252,8 @@ impl Reflection {
     fn then(&self, mirror: &Mirror) -> Self {
         Self {
             mirrors: self.mirrors.iter().chain([mirror]).cloned().collect(),
-            observation: Image::then(&self.observation, &mirror.observation),
-            action: Image::then(&self.action, &mirror.action),
+            observation: SignedIndex::then(&self.observation, &mirror.observation),
+            action: SignedIndex::then(&self.action, &mirror.action),
         }
     }
 

@@ -33,8 +33,8 @@ impl EnvVisitor for Bench<'_> {
 
     fn visit<const N: usize, E: Simulated<N>>(self, build: impl Fn() -> E + Sync) {
         let mut env = build();
-        let mut observation = vec![0.0; env.spec().observation];
-        let mut action = vec![0.0; env.spec().action];
+        let mut observation = vec![0.0; env.spec().obs_dim];
+        let mut action = vec![0.0; env.spec().action_dim];
         let episode_steps = env.spec().episode_steps;
         let mut rng = ChaCha8Rng::seed_from_u64(1);
 

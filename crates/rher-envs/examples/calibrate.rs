@@ -139,7 +139,7 @@ fn replay<const N: usize>(
     env: &mut impl Simulated<N>,
     recording: &[Row],
 ) -> Result<Replay, EnvError> {
-    let mut observation = vec![0.0; env.spec().observation];
+    let mut observation = vec![0.0; env.spec().obs_dim];
     let (first, last) = (&recording[0], &recording[recording.len() - 1]);
     let layout = Layout::new([first.object; N], [first.target; N]);
     let start = env.arrange(layout, &mut observation)?.achieved;

@@ -15,7 +15,7 @@ const YAW: usize = 13;
 #[expect(clippy::print_stdout, reason = "a program for the terminal")]
 fn main() -> Result<(), EnvError> {
     let mut env = Simulation::<Push, 1>::new();
-    let mut observation = vec![0.0; env.spec().observation];
+    let mut observation = vec![0.0; env.spec().obs_dim];
     println!("off centre (mm)  shoved by (mm)  coasts (mm)  turns (degrees)");
     for aside in [-0.03, -0.02, -0.01, 0.0, 0.01, 0.02, 0.03] {
         let home = env.reset(0, &mut observation)?.achieved.0.gripper;

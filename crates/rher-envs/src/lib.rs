@@ -8,7 +8,7 @@
 //! use rher_envs::{Simulation, tasks::Push};
 //!
 //! let mut env = Simulation::<Push, 1>::new();
-//! let mut observation = vec![0.0; env.spec().observation];
+//! let mut observation = vec![0.0; env.spec().obs_dim];
 //! let start = env.reset(7, &mut observation)?;
 //! let achieved = env.step(&[1.0, 0.0, 0.0, 0.0], &mut observation)?;
 //! assert!(achieved.0.gripper.x > start.achieved.0.gripper.x);

@@ -3,7 +3,7 @@
 
 use crate::sim::{Grip, Motion, STEP_SECONDS};
 use nalgebra::{RealField, UnitQuaternion, Vector3};
-use rher_core::env::{Exchange, Image};
+use rher_core::env::{Permutation, SignedIndex};
 use rher_core::goal::Position;
 use std::array;
 
@@ -239,7 +239,7 @@ impl Sink for Numbers<'_> {
 
 /// A [`Sink`] that learns how each number is mirrored at a plane of constant x or y.
 pub(crate) struct Reflections {
-    images: Vec<Image>,
+    images: Vec<SignedIndex>,
     axis: usize,
     plane: f32,
 }
@@ -251,7 +251,7 @@ impl Reflections {
     }
 
     /// One entry for each number of the observation.
-    pub(crate) fn into_vec(self) -> Vec<Image> {
+    pub(crate) fn into_vec(self) -> Vec<SignedIndex> {
         self.images
     }
 
@@ -260,7 +260,7 @@ impl Reflections {
         let from = self.images.len();
         let image = |axis| {
             let (sign, offset) = if axis == self.axis { flipped } else { (kept, 0.0) };
-            Image { from: from + axis, sign, offset }
+            SignedIndex { from: from + axis, sign, offset }
         };
         self.images.extend([0, 1, 2].map(image));
     }
@@ -283,7 +283,7 @@ impl Sink for Reflections {
         let first = self.images.len();
         // They open along y.
         let swapped = if self.axis == 1 { [first + 1, first] } else { [first, first + 1] };
-        self.images.extend(swapped.map(|from| Image { from, sign: 1.0, offset: 0.0 }));
+        self.images.extend(swapped.map(|from| SignedIndex { from, sign: 1.0, offset: 0.0 }));
     }
 }
 
@@ -301,16 +301,16 @@ impl Owners {
     /// Every other order of `N` objects, and what the observation is in it.
     ///
     /// Each object has the same numbers in the same order, and so has each two of them.
-    pub(crate) fn exchanges<const N: usize>(&self) -> Vec<Exchange<N>> {
+    pub(crate) fn permutations<const N: usize>(&self) -> Vec<Permutation<N>> {
         let orders = orders::<N>();
-        let image = |order: [usize; N]| Exchange {
-            objects: order,
+        let image = |order: [usize; N]| Permutation {
+            order,
             observation: (0..self.owners.len()).map(|index| self.image(index, &order)).collect(),
         };
         orders.into_iter().skip(1).map(image).collect()
     }
 
-    fn image<const N: usize>(&self, index: usize, order: &[usize; N]) -> Image {
+    fn image<const N: usize>(&self, index: usize, order: &[usize; N]) -> SignedIndex {
         let owner = self.owners[index];
         let place = self.owners[..index].iter().filter(|other| **other == owner).count();
         let number = |wanted: Subject| {
@@ -328,7 +328,7 @@ impl Owners {
                 }
             }
         };
-        Image { from: from.unwrap_or(index), sign, offset: 0.0 }
+        SignedIndex { from: from.unwrap_or(index), sign, offset: 0.0 }
     }
 
     fn add(&mut self, numbers: usize) {

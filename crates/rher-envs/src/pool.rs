@@ -151,8 +151,8 @@ impl<E: Env<N>, const N: usize> Pool<E, N> {
             slots: envs.into_iter().map(slot).collect(),
             auto_reset,
             threads,
-            now: Frames::zeros(count, spec.observation, 3 * N),
-            last: Frames::zeros(count, spec.observation, 3 * N),
+            now: Frames::zeros(count, spec.obs_dim, 3 * N),
+            last: Frames::zeros(count, spec.obs_dim, 3 * N),
             rewards: vec![0.0; count],
             successes: vec![false; count],
             ended: vec![false; count],
@@ -195,7 +195,7 @@ impl<E: Env<N>, const N: usize> Pool<E, N> {
     /// `actions`: `[envs, action]`. Numbers outside of [−1, 1] are clipped, and counted in
     /// [`clipped`](Self::clipped).
     pub fn step(&mut self, actions: &[f32]) -> Result<(), PoolError> {
-        let width = self.spec.action;
+        let width = self.spec.action_dim;
         self.check_length("actions", actions.len(), width)?;
         if let Some(place) = actions.iter().position(|x| x.is_nan()) {
             return Err(PoolError::NotANumber { env: place / width, index: place % width });
@@ -265,7 +265,7 @@ impl<E: Env<N>, const N: usize> Pool<E, N> {
         work: impl Fn(usize, &mut Row<'_, E, N>) -> Result<(), EnvError> + Sync,
     ) -> Result<(), PoolError> {
         let Self { slots, spec, now, last, rewards, successes, ended, clipped, .. } = self;
-        let (observation, goal) = (spec.observation, 3 * N);
+        let (observation, goal) = (spec.obs_dim, 3 * N);
         let rows = (
             slots.par_iter_mut(),
             now.observations.par_chunks_exact_mut(observation),

@@ -6,7 +6,7 @@ use crate::sim::{self, World};
 use crate::thing::Thing;
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
-use rher_core::env::{Env, EnvError, EnvSpec, Image, Mirror, Start};
+use rher_core::env::{Env, EnvError, EnvSpec, Mirror, SignedIndex, Start};
 use rher_core::goal::{Achieved, Desired, Position, Scene, Tolerances};
 use std::iter;
 use std::marker::PhantomData;
@@ -189,13 +189,13 @@ impl<S: Scenario<N>, const N: usize> Simulation<S, N> {
         let spec = EnvSpec {
             name: S::NAME.to_owned(),
             variant: options.to_string(),
-            observation: mirrors[0].observation.len(),
-            action: S::ACTION_WIDTH,
+            obs_dim: mirrors[0].observation.len(),
+            action_dim: S::ACTION_WIDTH,
             episode_steps: S::EPISODE_STEPS,
             subtasks: S::SUBTASKS,
             tolerances: Tolerances { gripper: S::REACH_TOLERANCE, objects: [S::TOLERANCE; N] },
             mirrors,
-            exchanges: if S::ALIKE { owners.exchanges() } else { Vec::new() },
+            permutations: if S::ALIKE { owners.permutations() } else { Vec::new() },
         };
         Self { spec, options: options.clone(), scenario, world, layout }
     }
@@ -215,7 +215,7 @@ impl<S: Scenario<N>, const N: usize> Simulation<S, N> {
     }
 
     fn observe(&self, observation: &mut [f32]) -> Result<Achieved<N>, EnvError> {
-        check_width("observation", self.spec.observation, observation.len())?;
+        check_width("observation", self.spec.obs_dim, observation.len())?;
         self.scenario.observe(&self.layout, &self.world, &mut Numbers::new(observation));
         Ok(achieved(&self.scenario, &self.layout, &self.world))
     }
@@ -349,7 +349,7 @@ fn check_width(what: &'static str, expected: usize, got: usize) -> Result<(), En
     }
 }
 
-fn mirrored_action(axis: usize, width: usize) -> Vec<Image> {
+fn mirrored_action(axis: usize, width: usize) -> Vec<SignedIndex> {
     let sign = |from| if from == axis { -1.0 } else { 1.0 };
-    (0..width).map(|from| Image { from, sign: sign(from), offset: 0.0 }).collect()
+    (0..width).map(|from| SignedIndex { from, sign: sign(from), offset: 0.0 }).collect()
 }

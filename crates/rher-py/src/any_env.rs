@@ -92,7 +92,7 @@ impl<E: Simulated<N>, const N: usize> Shown<E, N> {
     fn new(env: E) -> Self {
         let zeros = |width: usize| vec![0.0; width];
         let frame = Frame {
-            observation: zeros(env.spec().observation),
+            observation: zeros(env.spec().obs_dim),
             achieved: zeros(3 * N),
             desired: zeros(3 * N),
             reward: 0.0,
@@ -112,7 +112,8 @@ impl<E: Simulated<N>, const N: usize> Shown<E, N> {
 
 impl<E: Simulated<N>, const N: usize> AnyEnv for Shown<E, N> {
     fn widths(&self) -> Widths {
-        let EnvSpec { observation, action, episode_steps, tolerances, .. } = self.env.spec();
+        let EnvSpec { obs_dim: observation, action_dim: action, episode_steps, tolerances, .. } =
+            self.env.spec();
         let of_gripper = last_stage(self.env.spec()).index() == 0;
         Widths {
             observation: *observation,

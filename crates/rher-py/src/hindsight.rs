@@ -72,7 +72,7 @@ impl EnvVisitor for Play {
             relabeler.observe(&episode, &stages, &mut encoder, &mut rng);
             replay.push(&episode);
         }
-        let action = spec.action;
+        let action = spec.action_dim;
         let rng = Seed(0).stream(Purpose::Batch, 0);
         let last = rher_envs::last_stage(&spec);
         Ok(Box::new(Random { replay, encoder, relabeler, last, action, rng }))

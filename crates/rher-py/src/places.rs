@@ -29,8 +29,8 @@ impl EnvVisitor for Watch {
         build: impl Fn() -> E + Sync,
     ) -> Option<Places> {
         let mut env = build();
-        let mut observation = vec![0.0; env.spec().observation];
-        let action = vec![0.3; env.spec().action];
+        let mut observation = vec![0.0; env.spec().obs_dim];
+        let action = vec![0.3; env.spec().action_dim];
         let last = observation.len().checked_sub(3)?;
         let mut candidates = vec![(0..=last).collect::<Vec<_>>(); N + 1];
         for seed in 0..2 {

@@ -10,7 +10,7 @@ use numpy::{
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyType};
 use rher_core::goal::{Achieved, Desired, Leg, Scene, Stage};
-use rher_core::policy::{About, Policy as CorePolicy, PolicyError as CorePolicyError};
+use rher_core::policy::{Policy as CorePolicy, PolicyError as CorePolicyError, PolicyInfo};
 use rher_envs::{Options, Task};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -37,7 +37,7 @@ impl From<PolicyFailure> for PyErr {
 impl Policy {
     /// A policy and the layout of its observations, which it may remember itself.
     pub(crate) fn new(policy: CorePolicy) -> PyResult<Self> {
-        let About { task, variant, objects, .. } = policy.about();
+        let PolicyInfo { task, variant, objects, .. } = policy.info();
         if !(1..=3).contains(objects) {
             return Err(PolicyError::new_err(format!(
                 "the policy is for {objects} objects, expected 1 to 3"
@@ -76,25 +76,25 @@ impl Policy {
     /// Name of the environment that it was trained in.
     #[getter]
     fn task(&self) -> &str {
-        &self.policy.about().task
+        &self.policy.info().task
     }
 
     /// How many objects its goals have.
     #[getter]
     fn objects(&self) -> usize {
-        self.policy.about().objects
+        self.policy.info().objects
     }
 
     /// Numbers in an observation.
     #[getter]
     fn observation_width(&self) -> usize {
-        self.policy.about().observation
+        self.policy.info().obs_dim
     }
 
     /// Numbers in an action.
     #[getter]
     fn action_width(&self) -> usize {
-        self.policy.about().action
+        self.policy.info().action_dim
     }
 
     /// The action for an observation and a goal, or the actions for a batch of them.
@@ -105,7 +105,7 @@ impl Policy {
         observation: &Bound<'py, PyAny>,
         goal: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
-        let About { objects, observation: width, action, .. } = *self.policy.about();
+        let PolicyInfo { objects, obs_dim: width, action_dim: action, .. } = *self.policy.info();
         let dict = observation.cast::<PyDict>().ok();
         let item = |name| match &dict {
             Some(dict) => dict.get_item(name),
@@ -147,7 +147,8 @@ impl Policy {
     }
 
     fn __repr__(&self) -> String {
-        let About { task, objects, observation, action, .. } = self.policy.about();
+        let PolicyInfo { task, objects, obs_dim: observation, action_dim: action, .. } =
+            self.policy.info();
         format!(
             "Policy(task='{task}', objects={objects}, observation={observation}, action={action})"
         )
@@ -165,7 +166,8 @@ struct Rows {
 impl Policy {
     /// The actions of the last sub-task, or None if something is not in the observations.
     fn act<const N: usize>(&self, rows: &Rows) -> Option<Vec<f32>> {
-        let About { subtasks, observation, action, .. } = *self.policy.about();
+        let PolicyInfo { subtasks, obs_dim: observation, action_dim: action, .. } =
+            *self.policy.info();
         let stage = Stage::<N>::from_index(subtasks - 1)?;
         let count = rows.observations.len() / observation;
         let mut actions = vec![0.0; count * action];

@@ -1,6 +1,6 @@
 //! Episodes as MCAP recordings that Foxglove opens without any set-up, as proofs, and as datasets.
 //!
-//! A [`Script`](rher_core::explore::Script) is all that an episode depends on; [`Player`] plays it
+//! A [`ActionLog`](rher_core::explore::ActionLog) is all that an episode depends on; [`Player`] plays it
 //! again in an environment of its own and tells it as timed [`Message`](message::Message)s, which a
 //! [`RecordingFile`] keeps. [`Recording`] reads them back, and [`verify`](verify::verify) plays them
 //! once more to prove that they were real.

@@ -5,7 +5,7 @@ use crate::player::Player;
 use crate::schemas;
 use foxglove::{Context, PartialMetadata, RawChannel, Schema, WebSocketServerHandle};
 use rher_core::event::Metrics;
-use rher_core::explore::Script;
+use rher_core::explore::ActionLog;
 use rher_envs::Simulated;
 use std::net::SocketAddr;
 use std::sync::Arc;
@@ -32,7 +32,7 @@ pub struct LiveError {
 /// Whoever joins in the middle of an episode sees the scene when the next one begins.
 pub struct Live {
     metrics: Arc<RawChannel>,
-    scripts: SyncSender<Script>,
+    scripts: SyncSender<ActionLog>,
     idle: Arc<AtomicBool>,
     server: WebSocketServerHandle,
     /// Channels end with it.
@@ -63,7 +63,7 @@ impl Live {
             .bind(address.ip().to_string(), address.port())
             .start_blocking()
             .map_err(failed)?;
-        let (scripts, to_show) = mpsc::sync_channel::<Script>(1);
+        let (scripts, to_show) = mpsc::sync_channel::<ActionLog>(1);
         let idle = Arc::new(AtomicBool::new(true));
         let shown = Arc::clone(&idle);
         thread::spawn(move || {
@@ -91,7 +91,7 @@ impl Live {
     }
 
     /// Shows an episode, unless another one is being shown.
-    pub fn show(&self, script: &Script) {
+    pub fn show(&self, script: &ActionLog) {
         if self.is_idle() {
             self.idle.store(false, Ordering::Release);
             // There is room for one, and nobody else sends.

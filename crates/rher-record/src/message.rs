@@ -7,7 +7,7 @@ use crate::about::as_text;
 use crate::schemas;
 use foxglove::messages::{FrameTransforms, SceneUpdate};
 use foxglove::{Encode, Schema};
-use rher_core::explore::Decider;
+use rher_core::explore::ActionSource;
 use rher_core::goal::Position;
 use serde::{Deserialize, Serialize};
 
@@ -194,7 +194,7 @@ pub struct Action {
     /// As it was chosen: the environment gets it clipped to [−1, 1].
     pub action: Vec<f32>,
     /// Who chose it.
-    pub decider: Decider,
+    pub decider: ActionSource,
     /// The sub-task whose policy it was, counted from 1; the learner's where chance chose.
     pub subtask: usize,
     /// What the first critic expects of it in that sub-task; none where there is no critic.

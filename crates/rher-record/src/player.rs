@@ -6,7 +6,7 @@ use foxglove::messages::{FrameTransforms, SceneUpdate};
 use rher_core::env::{Env, EnvError, EnvSpec, Start};
 use rher_core::episode::{Episode, RolloutError, rollout};
 use rher_core::evaluate::final_distance;
-use rher_core::explore::Script;
+use rher_core::explore::ActionLog;
 use rher_core::goal::{Achieved, Desired, EncodedGoal, Leg, Position, Stage};
 use rher_envs::thing::{Colour, Thing};
 use rher_envs::{STEP_SECONDS, Simulated};
@@ -90,10 +90,10 @@ impl<const N: usize, E: Simulated<N>> Player<E, N> {
     }
 
     /// Plays an episode again.
-    pub fn play(&mut self, script: &Script) -> Result<Played<N>, PlayError> {
+    pub fn play(&mut self, script: &ActionLog) -> Result<Played<N>, PlayError> {
         self.relay.check(script)?;
         let mut watched = Watched { env: &mut self.env, seen: Vec::new() };
-        let mut chosen = script.actions.chunks_exact(self.relay.spec.action);
+        let mut chosen = script.actions.chunks_exact(self.relay.spec.action_dim);
         let episode = rollout(&mut watched, script.seed, |_, action| {
             action.copy_from_slice(chosen.next().unwrap_or_default());
         })?;
@@ -104,15 +104,15 @@ impl<const N: usize, E: Simulated<N>> Player<E, N> {
 
     /// Plays an episode again and tells it in messages, the first one sent at `begin`, in
     /// nanoseconds.
-    pub fn tell(&mut self, script: &Script, begin: u64) -> Result<Vec<Timed>, PlayError> {
+    pub fn tell(&mut self, script: &ActionLog, begin: u64) -> Result<Vec<Timed>, PlayError> {
         let played = self.play(script)?;
         Ok(self.relay.tell(script, &played, begin))
     }
 }
 
 impl<const N: usize> Relay<N> {
-    fn check(&self, script: &Script) -> Result<(), PlayError> {
-        let &EnvSpec { action: width, episode_steps: steps, .. } = &self.spec;
+    fn check(&self, script: &ActionLog) -> Result<(), PlayError> {
+        let &EnvSpec { action_dim: width, episode_steps: steps, .. } = &self.spec;
         let (actions, decisions) = (script.actions.len(), script.decisions.len());
         if actions == steps * width && decisions == steps {
             Ok(())
@@ -122,9 +122,9 @@ impl<const N: usize> Relay<N> {
         }
     }
 
-    fn tell(&self, script: &Script, played: &Played<N>, begin: u64) -> Vec<Timed> {
+    fn tell(&self, script: &ActionLog, played: &Played<N>, begin: u64) -> Vec<Timed> {
         let Played { episode, seen } = played;
-        let EnvSpec { observation, action, tolerances, .. } = self.spec;
+        let EnvSpec { obs_dim: observation, action_dim: action, tolerances, .. } = self.spec;
         let Episode { desired, observations, achieved, actions } = episode;
         let number = script.number;
         let mut messages = Vec::with_capacity(3 * seen.len() + 1);
@@ -169,7 +169,7 @@ impl<const N: usize> Relay<N> {
                     episode: number,
                     step,
                     action: actions[step * action..][..action].to_vec(),
-                    decider: decision.decider,
+                    decider: decision.source,
                     subtask: decision.subtask + 1,
                     q: decision.value,
                 }));

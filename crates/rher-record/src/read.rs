@@ -5,7 +5,7 @@ use crate::message::{Action, Begin, Frame, Topic};
 use mcap::records::Record;
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use mcap::{MAGIC, McapError};
-use rher_core::explore::{Decision, Script};
+use rher_core::explore::{ActionLog, Decision};
 use std::collections::HashMap;
 use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
@@ -27,7 +27,7 @@ pub struct Recording {
 #[derive(Clone, Debug)]
 pub struct Recorded {
     /// What it can be played again from.
-    pub script: Script,
+    pub script: ActionLog,
     /// Where it begins.
     pub begin: Begin,
     /// What was reached: one more than there are actions.
@@ -225,14 +225,14 @@ impl Recorded {
                 ));
             }
         }
-        let script = Script {
+        let script = ActionLog {
             number: begin.episode,
             seed: begin.seed,
             actions: actions.iter().flat_map(|action| action.action.clone()).collect(),
             decisions: actions
                 .iter()
                 .map(|&Action { decider, subtask, q, .. }| Decision {
-                    decider,
+                    source: decider,
                     subtask: subtask.saturating_sub(1),
                     value: q,
                 })

@@ -1,6 +1,6 @@
 use crate::message::{Action, Begin, Frame, Message, Place};
 use crate::player::STEP;
-use rher_core::explore::Decider;
+use rher_core::explore::ActionSource;
 use serde_json::Value;
 use std::collections::BTreeSet;
 
@@ -32,7 +32,7 @@ fn samples() -> [Message; 3] {
         episode: 1,
         step: 2,
         action: vec![0.5],
-        decider: Decider::Guide,
+        decider: ActionSource::Guide,
         subtask: 2,
         q: Some(-3.0),
     };

@@ -69,10 +69,10 @@ impl EnvVisitor for PlayAll<'_> {
         let policy = &trained.policy;
         let mut env = build();
         policy.check(env.spec())?;
-        let reach_distance = policy.about().reach_distance;
+        let reach_distance = policy.info().reach_distance;
         let about = About::new(env.spec(), Source::Policy, seed, reach_distance);
         let mut player = Player::new(build(), reach_distance);
-        let last = policy.about().subtasks - 1;
+        let last = policy.info().subtasks - 1;
         let stage = Stage::<N>::from_index(last).unwrap_or(Stage::FIRST);
         let mut demonstrations = Vec::new();
         for number in 0..episodes {

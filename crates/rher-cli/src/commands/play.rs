@@ -33,7 +33,7 @@ impl EnvVisitor for Play<'_> {
         let Self { trained, args, printer } = self;
         let env = build();
         trained.policy.check(env.spec())?;
-        let reach_distance = trained.policy.about().reach_distance;
+        let reach_distance = trained.policy.info().reach_distance;
         let mut about = About::new(env.spec(), Source::Policy, args.seed, reach_distance);
         trained.describe(&mut about)?;
         let recording = args.mcap.as_ref().map(|path| RecordingFile::create(path, &about));
@@ -84,7 +84,7 @@ fn play_all<const N: usize, E: Simulated<N>>(
     stop: &AtomicBool,
 ) -> anyhow::Result<String> {
     let policy = &trained.policy;
-    let last = policy.about().subtasks - 1;
+    let last = policy.info().subtasks - 1;
     let stage = Stage::<N>::from_index(last).unwrap_or(Stage::FIRST);
     let tolerances = env.spec().tolerances;
     let mut lines = table();

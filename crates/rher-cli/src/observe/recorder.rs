@@ -1,7 +1,7 @@
 //! Recordings of training episodes, exploration included.
 
 use rher_core::event::ObserverError;
-use rher_core::explore::Script;
+use rher_core::explore::ActionLog;
 use rher_envs::Simulated;
 use rher_record::{About, Player, RecordingFile, WriteError};
 use rher_runs::RunDir;
@@ -31,7 +31,7 @@ impl<const N: usize, E: Simulated<N>> Recorder<E, N> {
     }
 
     /// Records an episode.
-    pub(crate) fn record(&mut self, script: &Script) -> Result<(), ObserverError> {
+    pub(crate) fn record(&mut self, script: &ActionLog) -> Result<(), ObserverError> {
         let file = match &mut self.file {
             Some(file) => file,
             empty => {

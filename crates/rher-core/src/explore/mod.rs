@@ -2,9 +2,9 @@
 //! one can be learned.
 
 mod curriculum;
-mod guide;
-mod script;
+mod explorer;
+mod log;
 
 pub use curriculum::Curriculum;
-pub use guide::{Choice, Decider, Guide};
-pub use script::{Decision, Script};
+pub use explorer::{ActionSource, Explorer, Selection};
+pub use log::{ActionLog, Decision};

@@ -34,7 +34,7 @@ impl InputEncoder {
             .then(|| Turns::new(spec, &config.tolerances(spec)));
         Self {
             frame: config.goal_frame,
-            observation: Normalizer::new(spec.observation),
+            observation: Normalizer::new(spec.obs_dim),
             slots: vec![Normalizer::new(3); N + 1],
             turns: turns.flatten(),
         }

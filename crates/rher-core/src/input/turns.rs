@@ -1,6 +1,6 @@
 //! Whose turn it is: the order in which the networks see objects that are alike.
 
-use crate::env::{EnvSpec, Image};
+use crate::env::{EnvSpec, SignedIndex};
 use crate::goal::{Achieved, EncodedGoal, Tolerances};
 use serde::{Deserialize, Serialize};
 use std::{array, iter};
@@ -15,7 +15,7 @@ pub(crate) struct Turns {
     /// How near counts as placed, in metres.
     tolerances: Vec<f32>,
     /// For each object, what an observation is when that object comes first.
-    observations: Vec<Vec<Image>>,
+    observations: Vec<Vec<SignedIndex>>,
 }
 
 /// The objects in order of turn when `first` comes first.
@@ -29,10 +29,10 @@ impl Turns {
         spec: &EnvSpec<N>,
         tolerances: &Tolerances<N>,
     ) -> Option<Self> {
-        let exchange = |first| spec.exchanges.iter().find(|it| it.objects == order(first));
+        let exchange = |first| spec.permutations.iter().find(|it| it.order == order(first));
         let others = (1..N).map(|first| exchange(first).map(|it| it.observation.clone()));
         let others = others.collect::<Option<Vec<_>>>().filter(|others| !others.is_empty())?;
-        let same = (0..spec.observation).map(|from| Image { from, sign: 1.0, offset: 0.0 });
+        let same = (0..spec.obs_dim).map(|from| SignedIndex { from, sign: 1.0, offset: 0.0 });
         let observations = iter::once(same.collect()).chain(others).collect();
         Some(Self { tolerances: tolerances.objects.to_vec(), observations })
     }
@@ -44,7 +44,7 @@ impl Turns {
 
     /// Whether it fits observations of this width.
     pub(crate) fn fits(&self, observation: usize, objects: usize) -> bool {
-        let fits = |images: &Vec<Image>| {
+        let fits = |images: &Vec<SignedIndex>| {
             images.len() == observation && images.iter().all(|image| image.from < observation)
         };
         self.tolerances.len() == objects

@@ -1,7 +1,7 @@
 //! What is deployed: a frozen policy, what acts with it, and its file.
 
 mod critic;
-mod policy;
+mod file;
 
 pub use critic::Critic;
-pub use policy::{About, Actor, Mismatch, Policy, PolicyError};
+pub use file::{Actor, Mismatch, Policy, PolicyError, PolicyInfo};

@@ -36,7 +36,7 @@ pub struct StepIndex {
 impl<const N: usize> Replay<N> {
     /// An empty replay for `transitions` steps of such episodes, but for one episode at least.
     pub fn new(spec: &EnvSpec<N>, transitions: usize) -> Self {
-        let EnvSpec { observation, action, episode_steps: steps, .. } = *spec;
+        let EnvSpec { obs_dim: observation, action_dim: action, episode_steps: steps, .. } = *spec;
         let capacity = (transitions / steps).max(1);
         Self {
             observation,

@@ -97,7 +97,7 @@ pub fn read_config(folder: &Path) -> Result<TrainConfig, CheckpointError> {
 
 /// The settings that the environment of the run in `folder` was made with, in its own words.
 pub fn read_variant(folder: &Path) -> Result<String, CheckpointError> {
-    read_state(folder).map(|(state, _)| state.about.variant)
+    read_state(folder).map(|(state, _)| state.info.variant)
 }
 
 /// The first critic of the run in `folder`: what the learner expects of actions.
@@ -213,16 +213,15 @@ pub(super) fn read_replay<const N: usize>(
              of {action}"
         )
     };
-    let about = &state.about;
-    let expected =
-        name(&about.task, &about.variant, about.objects, about.observation, about.action);
-    let found = name(&spec.name, &spec.variant, N, spec.observation, spec.action);
+    let info = &state.info;
+    let expected = name(&info.task, &info.variant, info.objects, info.obs_dim, info.action_dim);
+    let found = name(&spec.name, &spec.variant, N, spec.obs_dim, spec.action_dim);
     if expected != found {
         return Err(CheckpointError::Mismatch { expected, found });
     }
     let folder = folder.join(CHECKPOINT_FOLDER);
     let layout =
-        Layout { observation: spec.observation, action: spec.action, steps: spec.episode_steps };
+        Layout { observation: spec.obs_dim, action: spec.action_dim, steps: spec.episode_steps };
     let mut open: Option<(u64, File)> = None;
     Replay::restore(spec, state.config.replay.capacity, state.episodes, |index| {
         let part = index / EPISODES_PER_FILE;

@@ -2,7 +2,7 @@
 
 use crate::env::Env;
 use crate::episode::{Episode, RolloutError, rollout};
-use crate::explore::{Choice, Decider, Guide};
+use crate::explore::{ActionSource, Explorer, Selection};
 use crate::goal::{Stage, Tolerances};
 use crate::policy::Policy;
 use crate::seed::{Purpose, Seed};
@@ -16,7 +16,7 @@ pub(super) struct Played<const N: usize> {
     pub(super) seed: u64,
     pub(super) episode: Episode<N>,
     /// `[T]`.
-    pub(super) choices: Vec<Choice<N>>,
+    pub(super) choices: Vec<Selection<N>>,
     /// Choosing actions.
     pub(super) acting: Duration,
     /// All of it.
@@ -27,38 +27,39 @@ pub(super) struct Played<const N: usize> {
 pub(super) fn explore_once<const N: usize>(
     env: &mut impl Env<N>,
     policy: &Policy,
-    guide: &Guide<N>,
+    guide: &Explorer<N>,
     tolerances: &Tolerances<N>,
     seed: Seed,
     episode: u64,
 ) -> Result<Played<N>, RolloutError> {
     let started = Instant::now();
     let mut acting = Duration::ZERO;
-    let reach_distance = policy.about().reach_distance;
+    let reach_distance = policy.info().reach_distance;
     let mut rng = seed.stream(Purpose::Exploration, episode);
     let mut actor = policy.actor();
     let mut choices = Vec::with_capacity(env.spec().episode_steps);
-    let mut kept = vec![0.0; env.spec().action];
+    let mut kept = vec![0.0; env.spec().action_dim];
     let env_seed = seed.episode(Purpose::Environment, episode);
     let episode = rollout(env, env_seed, |view, action| {
         let asked = Instant::now();
         let stage = Stage::of(view.achieved, view.desired, tolerances, reach_distance);
-        let random = choices.last().is_some_and(|last: &Choice<N>| last.decider == Decider::Random);
+        let random =
+            choices.last().is_some_and(|last: &Selection<N>| last.source == ActionSource::Random);
         if random && guide.keeps_random(&mut rng) {
-            choices.push(Choice { decider: Decider::Random, stage: guide.learner(stage) });
+            choices.push(Selection { source: ActionSource::Random, stage: guide.learner(stage) });
             action.copy_from_slice(&kept);
             acting += asked.elapsed();
             return;
         }
         let choice = guide.draw(stage, &mut rng);
         choices.push(choice);
-        let Choice { decider, stage } = choice;
-        match decider {
-            Decider::Random => {
+        let Selection { source, stage } = choice;
+        match source {
+            ActionSource::Random => {
                 action.fill_with(|| rng.random_range(-1.0..=1.0));
                 kept.copy_from_slice(action);
             }
-            Decider::Guide | Decider::Learner => {
+            ActionSource::Guide | ActionSource::Learner => {
                 actor.act(stage, view.observation, view.achieved, view.desired, action);
                 let deviation = guide.noise(stage);
                 for action in action {

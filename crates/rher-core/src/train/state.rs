@@ -5,7 +5,7 @@ use crate::config::TrainConfig;
 use crate::event::Seconds;
 use crate::explore::Curriculum;
 use crate::input::InputEncoder;
-use crate::policy::About;
+use crate::policy::PolicyInfo;
 use serde::{Deserialize, Serialize};
 
 /// Everything of a run but its replay: what a checkpoint keeps beside it.
@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct RunState {
     pub(super) config: TrainConfig,
-    pub(super) about: About,
+    pub(super) info: PolicyInfo,
     pub(super) env_steps: u64,
     pub(super) episodes: u64,
     pub(super) updates: u64,

@@ -2,8 +2,8 @@
 
 use crate::episode::Episode;
 use crate::evaluate::Evaluation;
-use crate::event::{Acted, Metrics, Progress, Seconds};
-use crate::explore::Decider;
+use crate::event::{Metrics, Progress, Seconds, SourceShares};
+use crate::explore::ActionSource;
 use crate::goal::{EncodedGoal, Stage, Tolerances};
 use crate::learner::state::Losses;
 use serde::{Deserialize, Serialize};
@@ -16,7 +16,7 @@ const MOVED: f32 = 0.01;
 pub(super) struct Tally {
     episodes: u64,
     successes: u64,
-    actors: Actors,
+    actors: SourceCounts,
     moved: Vec<u64>,
     batches: Vec<u64>,
     single_reward: Vec<u64>,
@@ -33,18 +33,18 @@ pub(super) struct Tally {
 
 /// How many actions each kind of actor chose.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub(super) struct Actors {
+pub(super) struct SourceCounts {
     guide: u64,
     learner: u64,
     random: u64,
 }
 
-impl Actors {
-    pub(super) fn count(&mut self, decider: Decider) {
-        match decider {
-            Decider::Guide => self.guide += 1,
-            Decider::Learner => self.learner += 1,
-            Decider::Random => self.random += 1,
+impl SourceCounts {
+    pub(super) fn count(&mut self, source: ActionSource) {
+        match source {
+            ActionSource::Guide => self.guide += 1,
+            ActionSource::Learner => self.learner += 1,
+            ActionSource::Random => self.random += 1,
         }
     }
 }
@@ -54,7 +54,7 @@ impl Tally {
         Self {
             episodes: 0,
             successes: 0,
-            actors: Actors::default(),
+            actors: SourceCounts::default(),
             moved: vec![0; objects],
             batches: vec![0; subtasks],
             single_reward: vec![0; subtasks],
@@ -77,7 +77,7 @@ impl Tally {
     pub(super) fn episode<const N: usize>(
         &mut self,
         episode: &Episode<N>,
-        actors: Actors,
+        actors: SourceCounts,
         last: Stage<N>,
         tolerances: &Tolerances<N>,
     ) {
@@ -127,7 +127,7 @@ impl Tally {
         evaluation: &Evaluation,
     ) -> Metrics {
         let Progress { env_steps, episodes, updates } = progress;
-        let Actors { guide: guided, learner, random } = self.actors;
+        let SourceCounts { guide: guided, learner, random } = self.actors;
         let steps = guided + learner + random;
         let critic = |sum: f64| mean(sum, self.critic_updates);
         let actor = |sum: f64| mean(sum, self.actor_updates);
@@ -142,7 +142,7 @@ impl Tally {
             guide: guide + 1,
             final_distance: evaluation.final_distance,
             train_success: share(self.successes, self.episodes),
-            acted: Acted {
+            acted: SourceShares {
                 guide: share(guided, steps),
                 learner: share(learner, steps),
                 random: share(random, steps),

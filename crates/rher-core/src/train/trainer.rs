@@ -5,7 +5,7 @@ use super::error::{Finish, TrainError};
 use super::play::{Played, explore_once};
 use super::rows::SubtaskBatch;
 use super::state::RunState;
-use super::tally::{Actors, Tally};
+use super::tally::{SourceCounts, Tally};
 use crate::batch::Batch;
 use crate::config::{
     AgentConfig, BatchMode, EngineKind, Method, ReplayConfig, TargetEvery, TrainConfig,
@@ -14,12 +14,12 @@ use crate::env::Env;
 use crate::episode::Episode;
 use crate::evaluate::{Evaluation, evaluate};
 use crate::event::{Event, Observer, Progress, Seconds};
-use crate::explore::{Choice, Curriculum, Decision, Guide, Script};
+use crate::explore::{ActionLog, Curriculum, Decision, Explorer, Selection};
 use crate::goal::Stage;
 use crate::input::InputEncoder;
 use crate::learner::network::Shape;
 use crate::learner::state::{Engine, LearnerState};
-use crate::policy::{About, Critic, Policy};
+use crate::policy::{Critic, Policy, PolicyInfo};
 use crate::relabel::Relabeler;
 use crate::replay::Replay;
 use crate::seed::{Purpose, Seed};
@@ -56,7 +56,7 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
     pub fn new(config: TrainConfig, envs: Vec<E>, workers: usize) -> Result<Self, TrainError> {
         config.validate()?;
         let spec = first(&envs, &config)?.spec();
-        let about = About {
+        let info = PolicyInfo {
             task: spec.name.clone(),
             variant: spec.variant.clone(),
             objects: N,
@@ -65,13 +65,13 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
                 Method::Rher => 0,
                 Method::Her => spec.subtasks - 1,
             },
-            observation: spec.observation,
-            action: spec.action,
+            obs_dim: spec.obs_dim,
+            action_dim: spec.action_dim,
             reach_distance: config.relay.reach_distance,
         };
         let encoder = InputEncoder::new(&config.relay, spec);
         let mut rng = Seed(config.seed).stream(Purpose::Init, 0);
-        let learner = LearnerState::new(&config.agent, encoder.width(), spec.action, &mut rng);
+        let learner = LearnerState::new(&config.agent, encoder.width(), spec.action_dim, &mut rng);
         let state = RunState {
             env_steps: 0,
             episodes: 0,
@@ -83,7 +83,7 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
             wall_s: 0.0,
             seconds: Seconds::default(),
             encoder,
-            about,
+            info,
             config,
         };
         let replay = Replay::new(spec, state.config.replay.capacity);
@@ -112,12 +112,11 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
             .num_threads(workers)
             .build()
             .map_err(|source| TrainError::Threads { workers, source })?;
-        let RunState { config, about, encoder, .. } = &state;
-        let stages: Vec<Stage<N>> =
-            Stage::all().take(about.subtasks).skip(about.untrained).collect();
+        let RunState { config, info, encoder, .. } = &state;
+        let stages: Vec<Stage<N>> = Stage::all().take(info.subtasks).skip(info.untrained).collect();
         let rows = config.replay.batch_size;
         let subtask_batch = |stages: Vec<Stage<N>>| SubtaskBatch {
-            batch: Batch::zeros(rows * stages.len(), encoder.width(), about.action),
+            batch: Batch::zeros(rows * stages.len(), encoder.width(), info.action_dim),
             stages,
         };
         let batches = match config.replay.batch_mode {
@@ -125,11 +124,11 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
             BatchMode::Separate => stages.iter().map(|&stage| subtask_batch(vec![stage])).collect(),
         };
         let relabeler = Relabeler::new(&config.relay, &spec);
-        let noise = vec![0.0; rows * stages.len() * about.action];
+        let noise = vec![0.0; rows * stages.len() * info.action_dim];
         let actor_shape = learner.actor.shape.clone();
         let mut engine = crate::learner::engine(&state.config.agent, learner);
         let policy = Policy::new(
-            state.about.clone(),
+            state.info.clone(),
             state.encoder.clone(),
             actor_shape.clone(),
             engine.actor().to_vec(),
@@ -245,10 +244,10 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
     /// Plays one episode in every environment, and stores them.
     fn explore(&mut self, observer: &mut dyn Observer) -> Result<u64, TrainError> {
         let started = Instant::now();
-        let RunState { config, about, curriculum, episodes, .. } = &self.state;
+        let RunState { config, info, curriculum, episodes, .. } = &self.state;
         let seed = Seed(config.seed);
         let count = config.envs;
-        let guide = Guide::new(config, about.subtasks, curriculum);
+        let guide = Explorer::new(config, info.subtasks, curriculum);
         let tolerances = config.relay.tolerances(self.envs[0].spec());
         let policy = &self.policy;
         let envs = &mut self.envs[..count];
@@ -275,11 +274,16 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
                 let script = self.script(env_seed, &episode, &choices);
                 observer.on(&Event::Explored(Box::new(script)))?;
             }
-            let mut actors = Actors::default();
+            let mut actors = SourceCounts::default();
             for choice in &choices {
-                actors.count(choice.decider);
+                actors.count(choice.source);
             }
-            self.state.tally.episode(&episode, actors, about_last(&self.state.about), &tolerances);
+            self.state.tally.episode(
+                &episode,
+                actors,
+                last_stage_of(&self.state.info),
+                &tolerances,
+            );
             let mut rng = seed.stream(Purpose::Statistics, self.state.episodes);
             let encoder = &mut self.state.encoder;
             self.relabeler.observe(&episode, &self.stages, encoder, &mut rng);
@@ -296,17 +300,17 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
     }
 
     /// The next training episode for those who look on.
-    fn script(&mut self, seed: u64, episode: &Episode<N>, choices: &[Choice<N>]) -> Script {
+    fn script(&mut self, seed: u64, episode: &Episode<N>, choices: &[Selection<N>]) -> ActionLog {
         let critics = self.engine.state().critics;
         let critic = Critic::new(self.policy.encoder().clone(), &critics[0]);
         let stages: Vec<Stage<N>> = choices.iter().map(|choice| choice.stage).collect();
         let values = critic.values(episode, &stages);
         let decisions = choices.iter().zip(values).map(|(choice, value)| Decision {
-            decider: choice.decider,
+            source: choice.source,
             subtask: choice.stage.index(),
             value: Some(value),
         });
-        Script {
+        ActionLog {
             number: self.state.episodes,
             seed,
             actions: episode.actions.clone(),
@@ -344,7 +348,7 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
                             relabeler.draw(replay, encoder, stage, batch, rows.clone(), &mut rng);
                         state.tally.batch(stage, rewarded, rows.len());
                     }
-                    let noise = &mut noise[..batch.rows() * batch.action];
+                    let noise = &mut noise[..batch.rows() * batch.action_dim];
                     if target_noise > 0.0 {
                         noise.fill_with(|| rng.sample(StandardNormal));
                     }
@@ -365,7 +369,7 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
             self.engine.move_targets();
         }
         self.policy = Policy::new(
-            self.state.about.clone(),
+            self.state.info.clone(),
             self.state.encoder.clone(),
             self.actor_shape.clone(),
             self.engine.actor().to_vec(),
@@ -445,6 +449,6 @@ fn first<'a, const N: usize, E: Env<N>>(
     }
 }
 
-fn about_last<const N: usize>(about: &About) -> Stage<N> {
-    Stage::from_index(about.subtasks - 1).unwrap_or(Stage::FIRST)
+fn last_stage_of<const N: usize>(info: &PolicyInfo) -> Stage<N> {
+    Stage::from_index(info.subtasks - 1).unwrap_or(Stage::FIRST)
 }

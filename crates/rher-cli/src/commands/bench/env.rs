@@ -181,7 +181,7 @@ impl EnvVisitor for Together {
         let seeds: Vec<u64> = (0..TOGETHER as u64).collect();
         pool.reset(&seeds)?;
         let mut rng = Seed(0).stream(Purpose::Exploration, 0);
-        let mut actions = vec![0.0; TOGETHER * pool.spec().action];
+        let mut actions = vec![0.0; TOGETHER * pool.spec().action_dim];
         for _ in 0..WARM_UP_STEPS {
             pool.step(&actions)?;
         }
@@ -208,8 +208,8 @@ struct Spent {
 /// Plays whole episodes with random actions until `least` of CPU time is spent.
 fn play<const N: usize>(env: &mut impl Env<N>, least: Duration) -> anyhow::Result<Spent> {
     let spec = env.spec().clone();
-    let mut observation = vec![0.0; spec.observation];
-    let mut actions = vec![0.0; spec.episode_steps * spec.action];
+    let mut observation = vec![0.0; spec.obs_dim];
+    let mut actions = vec![0.0; spec.episode_steps * spec.action_dim];
     let mut spent = Spent::default();
     while spent.resetting + spent.stepping < least {
         let mut rng = Seed(0).stream(Purpose::Exploration, spent.resets);
@@ -217,7 +217,7 @@ fn play<const N: usize>(env: &mut impl Env<N>, least: Duration) -> anyhow::Resul
         let started = cpu_time();
         env.reset(spent.resets, &mut observation)?;
         let ready = cpu_time();
-        for action in actions.chunks_exact(spec.action) {
+        for action in actions.chunks_exact(spec.action_dim) {
             env.step(action, &mut observation)?;
             spent.steps += 1;
         }

@@ -151,7 +151,7 @@ impl Engine for FusedEngine {
         Ok(Losses {
             critic: (sums.squared_errors / rows) as f32,
             actor: actor_moves.then(|| {
-                let numbers = rows * batch.action as f64;
+                let numbers = rows * batch.action_dim as f64;
                 let effort = f64::from(config.action_l2) * sums.squared_actions / numbers;
                 let apart = f64::from(config.imitation) * sums.squared_distances / numbers;
                 (effort + apart - sums.q_of_actor / rows) as f32

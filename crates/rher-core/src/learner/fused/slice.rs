@@ -120,10 +120,10 @@ impl Slice {
     pub(super) fn critics(&mut self, job: Job<'_>) {
         self.find_targets(job);
         let Job { machine, batch, critics, .. } = job;
-        let (count, action) = (self.rows.len(), batch.action);
-        let width = batch.input + action;
+        let (count, action) = (self.rows.len(), batch.action_dim);
+        let width = batch.input_dim + action;
         let actions = batch.actions[self.rows.start * action..].chunks_exact(action);
-        let state = self.states(&batch.inputs, batch.input);
+        let state = self.states(&batch.inputs, batch.input_dim);
         for (to, action) in fill_states(&mut self.critic_input, state, action).zip(actions) {
             to.copy_from_slice(action);
         }
@@ -161,9 +161,9 @@ impl Slice {
     /// y = clip(r + γ min(Q₁′, Q₂′)(s′, clip(π′(s′) + clip(σ ε, ±c), ±1)), [−1/(1−γ), 0])
     fn find_targets(&mut self, job: Job<'_>) {
         let Job { machine, config, actor, critics, batch, noise } = job;
-        let (count, action) = (self.rows.len(), batch.action);
-        let width = batch.input + action;
-        let next = self.states(&batch.next_inputs, batch.input);
+        let (count, action) = (self.rows.len(), batch.action_dim);
+        let width = batch.input_dim + action;
+        let next = self.states(&batch.next_inputs, batch.input_dim);
         let clip = config.target_noise_clip;
         let noise = &noise[self.rows.start * action..];
         let mut inputs = fill_states(&mut self.critic_input, next, action);
@@ -211,13 +211,13 @@ impl Slice {
 
     fn actor_of(&mut self, chunk: Range<usize>, job: Job<'_>) {
         let Job { machine, config, actor, critics, batch, .. } = job;
-        let (rows, action) = (chunk.len(), batch.action);
-        let width = batch.input + action;
+        let (rows, action) = (chunk.len(), batch.action_dim);
+        let width = batch.input_dim + action;
         let stride = actor.output_stride();
         let imitates = &batch.imitates[self.rows.clone()][chunk.clone()];
         let imitates = (config.imitation > 0.0 && imitates.contains(&true)).then_some(imitates);
         if imitates.is_some() {
-            let states = self.states(&batch.simpler_inputs, batch.input);
+            let states = self.states(&batch.simpler_inputs, batch.input_dim);
             let states = Rows { data: &states.data[chunk.start * states.stride..], ..states };
             actor.forward(machine, &actor.online, states, rows, &mut self.actor_trace);
             let said = self.actor_trace.output().chunks_exact(stride);
@@ -227,13 +227,13 @@ impl Slice {
                 }
             }
         }
-        let states = self.states(&batch.inputs, batch.input);
+        let states = self.states(&batch.inputs, batch.input_dim);
         let states = Rows { data: &states.data[chunk.start * states.stride..], ..states };
         actor.forward(machine, &actor.online, states, rows, &mut self.actor_trace);
         let actions = self.actor_trace.output_mut().chunks_exact_mut(stride);
         let input = &mut self.critic_input[chunk.start * width..chunk.end * width];
         for (said, input) in actions.zip(input.chunks_exact_mut(width)) {
-            for (x, to) in said[..action].iter_mut().zip(&mut input[batch.input..]) {
+            for (x, to) in said[..action].iter_mut().zip(&mut input[batch.input_dim..]) {
                 *x = x.tanh();
                 *to = *x;
                 self.sums.squared_actions += f64::from(*x).powi(2);

@@ -65,8 +65,8 @@ fn draw_batch(rows: usize, rng: &mut impl Rng) -> Batch {
         next_inputs: normals(rows * INPUT, rng),
         imitates: (0..rows).map(|_| rng.random()).collect(),
         simpler_inputs: normals(rows * INPUT, rng),
-        input: INPUT,
-        action: ACTION,
+        input_dim: INPUT,
+        action_dim: ACTION,
     }
 }
 

@@ -1,10 +1,10 @@
 //! What an episode can be played again from, whatever the number of objects.
 
-use super::Decider;
+use super::ActionSource;
 
 /// Everything that an episode depends on but its environment, and who chose its actions.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Script {
+pub struct ActionLog {
     /// Number of the episode among those of its run, counted from 0.
     pub number: u64,
     /// Seed that the environment was reset with.
@@ -19,7 +19,7 @@ pub struct Script {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Decision {
     /// Who.
-    pub decider: Decider,
+    pub source: ActionSource,
     /// Index of the sub-task whose policy it was; of the learner's where chance chose.
     pub subtask: usize,
     /// What the first critic expects of the action in that sub-task; `None` where there is no

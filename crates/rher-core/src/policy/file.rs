@@ -19,7 +19,7 @@ const METADATA: &str = "rher";
 /// A frozen actor with everything it needs to act: networks do not know what a goal is.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Policy {
-    about: About,
+    info: PolicyInfo,
     encoder: InputEncoder,
     shape: Shape,
     parameters: Vec<f32>,
@@ -27,7 +27,7 @@ pub struct Policy {
 
 /// What a policy was trained for.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct About {
+pub struct PolicyInfo {
     /// Name of the environment.
     pub task: String,
     /// Settings that the environment was made with, in its own words; empty where it has none.
@@ -41,9 +41,11 @@ pub struct About {
     /// which trains the last alone.
     pub untrained: usize,
     /// Numbers in an observation.
-    pub observation: usize,
+    #[serde(rename = "observation")]
+    pub obs_dim: usize,
     /// Numbers in an action.
-    pub action: usize,
+    #[serde(rename = "action")]
+    pub action_dim: usize,
     /// The paper's d, by which stages are told, in metres.
     pub reach_distance: f32,
 }
@@ -52,7 +54,8 @@ pub struct About {
 #[derive(Serialize, Deserialize)]
 struct Metadata {
     version: u32,
-    about: About,
+    #[serde(rename = "about")]
+    info: PolicyInfo,
     shape: Shape,
     encoder: InputEncoder,
 }
@@ -92,13 +95,18 @@ pub struct Mismatch {
 
 impl Policy {
     /// The policy of an actor with these parameters.
-    pub fn new(about: About, encoder: InputEncoder, shape: Shape, parameters: Vec<f32>) -> Self {
-        Self { about, encoder, shape, parameters }
+    pub fn new(
+        info: PolicyInfo,
+        encoder: InputEncoder,
+        shape: Shape,
+        parameters: Vec<f32>,
+    ) -> Self {
+        Self { info, encoder, shape, parameters }
     }
 
     /// What it was trained for.
-    pub fn about(&self) -> &About {
-        &self.about
+    pub fn info(&self) -> &PolicyInfo {
+        &self.info
     }
 
     /// What the network sees.
@@ -120,9 +128,9 @@ impl Policy {
         let widths = |objects, observation, action| {
             format!("{objects} objects, observations of {observation} and actions of {action}")
         };
-        let About { objects, observation, action, .. } = self.about;
+        let PolicyInfo { objects, obs_dim: observation, action_dim: action, .. } = self.info;
         let expected = widths(objects, observation, action);
-        let found = widths(N, spec.observation, spec.action);
+        let found = widths(N, spec.obs_dim, spec.action_dim);
         if expected == found { Ok(()) } else { Err(Mismatch { expected, found }) }
     }
 
@@ -132,7 +140,7 @@ impl Policy {
     pub fn save(&self, path: &Path) -> Result<(), PolicyError> {
         let metadata = Metadata {
             version: VERSION,
-            about: self.about.clone(),
+            info: self.info.clone(),
             shape: self.shape.clone(),
             encoder: self.encoder.clone(),
         };
@@ -175,7 +183,7 @@ impl Policy {
             .as_ref()
             .and_then(|metadata| metadata.get(METADATA))
             .ok_or_else(|| malformed(format!("its metadata has no `{METADATA}`")))?;
-        let Metadata { version, about, shape, encoder } = serde_json::from_str(description)
+        let Metadata { version, info, shape, encoder } = serde_json::from_str(description)
             .map_err(|error| malformed(format!("its metadata: {error}")))?;
         if version != VERSION {
             return Err(malformed(format!("it has version {version}, expected {VERSION}")));
@@ -198,24 +206,24 @@ impl Policy {
             let (numbers, _) = view.data().as_chunks::<4>();
             parameters.extend(numbers.iter().map(|bytes| f32::from_le_bytes(*bytes)));
         }
-        let policy = Self { about, encoder, shape, parameters };
+        let policy = Self { info, encoder, shape, parameters };
         policy.check_widths().map_err(malformed)?;
         Ok(policy)
     }
 
     fn check_widths(&self) -> Result<(), String> {
-        let Self { about, encoder, shape, parameters } = self;
+        let Self { info, encoder, shape, parameters } = self;
         let facts = [
             ("network input", shape.inputs, encoder.width()),
-            ("action", shape.outputs, about.action),
-            ("observation", encoder.observation(), about.observation),
-            ("objects", encoder.objects(), about.objects),
+            ("action", shape.outputs, info.action_dim),
+            ("observation", encoder.observation(), info.obs_dim),
+            ("objects", encoder.objects(), info.objects),
         ];
         if let Some((what, found, expected)) = facts.iter().find(|(_, a, b)| a != b) {
             return Err(format!("{what}: {found} in one place and {expected} in another"));
         }
-        if about.untrained >= about.subtasks || about.subtasks > 2 * about.objects {
-            let About { objects, subtasks, untrained, .. } = about;
+        if info.untrained >= info.subtasks || info.subtasks > 2 * info.objects {
+            let PolicyInfo { objects, subtasks, untrained, .. } = info;
             return Err(format!(
                 "{subtasks} sub-tasks, {untrained} of them untrained, for {objects} objects"
             ));

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 /// Who chooses an action.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Decider {
+pub enum ActionSource {
     /// The policy of a sub-task that leads to where the learner can learn.
     Guide,
     /// The policy that is to be learned there, or that the episode is for.
@@ -20,16 +20,16 @@ pub enum Decider {
 
 /// Who chooses an action, and for what.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Choice<const N: usize> {
+pub struct Selection<const N: usize> {
     /// Who.
-    pub decider: Decider,
+    pub source: ActionSource,
     /// The sub-task whose policy it is; where chance chooses, the one that is to be learned.
     pub stage: Stage<N>,
 }
 
 /// Draws who chooses each action of an episode.
 #[derive(Clone, Debug)]
-pub struct Guide<const N: usize> {
+pub struct Explorer<const N: usize> {
     config: ExplorationConfig,
     method: Method,
     leading: usize,
@@ -37,7 +37,7 @@ pub struct Guide<const N: usize> {
     rates: Vec<f32>,
 }
 
-impl<const N: usize> Guide<N> {
+impl<const N: usize> Explorer<N> {
     /// The draw as the curriculum has it now.
     pub fn new(config: &TrainConfig, subtasks: usize, curriculum: &Curriculum) -> Self {
         Self {
@@ -53,7 +53,7 @@ impl<const N: usize> Guide<N> {
     ///
     /// With probability β it is chance, with α the policy of sub-task max(g, j), otherwise the one
     /// after it. Where both are the last sub-task it counts as the learner.
-    pub fn draw(&self, stage: Stage<N>, rng: &mut impl Rng) -> Choice<N> {
+    pub fn draw(&self, stage: Stage<N>, rng: &mut impl Rng) -> Selection<N> {
         let first = self.first(stage);
         let learner = self.learner(stage);
         let guided = self.method == Method::Rher && first < learner.index();
@@ -69,12 +69,12 @@ impl<const N: usize> Guide<N> {
         };
         let draw = rng.random::<f32>();
         if draw < random {
-            Choice { decider: Decider::Random, stage: learner }
+            Selection { source: ActionSource::Random, stage: learner }
         } else if guided && draw < random + guide {
             let stage = Stage::from_index(first).unwrap_or(stage);
-            Choice { decider: Decider::Guide, stage }
+            Selection { source: ActionSource::Guide, stage }
         } else {
-            Choice { decider: Decider::Learner, stage: learner }
+            Selection { source: ActionSource::Learner, stage: learner }
         }
     }
 
