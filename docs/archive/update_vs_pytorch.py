@@ -2,7 +2,7 @@
 
     pip install torch
     cargo build --release
-    python docs/results/update_vs_pytorch.py target/release/rher
+    python docs/archive/update_vs_pytorch.py target/release/rher
 
 Both do the same arithmetic: twin critics and an actor of 3 x 256 rectified units, 31 inputs,
 4 actions, float32, Adam, target smoothing, an actor step and moved targets every second update.
