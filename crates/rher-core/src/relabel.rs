@@ -88,11 +88,24 @@ impl<const N: usize> Relabeler<N> {
         step: usize,
         rng: &mut impl Rng,
     ) -> EncodedGoal<N> {
-        let desired = match self.later(step, achieved.len() - 1, rng) {
-            Some(later) => Desired::in_hindsight(achieved[later], self.later_objects),
-            None => *desired,
+        let later = self.later(step, achieved.len() - 1, rng).map(|later| achieved[later]);
+        self.relabel(stage, &achieved[step], later, || *desired).1
+    }
+
+    /// The relabelling rule: what is asked of a step at which the scene is `now`, and how the
+    /// sub-task of `stage` sees it. It is what was reached `later`, or what the task `asked` for.
+    fn relabel(
+        &self,
+        stage: Stage<N>,
+        now: &Achieved<N>,
+        later: Option<Achieved<N>>,
+        asked: impl FnOnce() -> Desired<N>,
+    ) -> (Desired<N>, EncodedGoal<N>) {
+        let desired = match later {
+            Some(reached) => Desired::in_hindsight(reached, self.later_objects),
+            None => asked(),
         };
-        EncodedGoal::new(stage, &achieved[step], &desired)
+        (desired, EncodedGoal::new(stage, now, &desired))
     }
 
     /// The step whose scene is the goal in hindsight of `step`, if it gets one.
@@ -160,11 +173,8 @@ impl<const N: usize> Relabeler<N> {
         let at = |step| StepIndex { slot: index.slot, step };
         let scene = |step| Achieved(replay.scene(at(step)).0.reordered(&order));
         let (mut now, mut next) = (scene(index.step), scene(index.step + 1));
-        let desired = match later {
-            Some(later) => Desired::in_hindsight(scene(later), self.later_objects),
-            None => replay.desired(index.slot).reordered(&order),
-        };
-        let mut goal = EncodedGoal::new(stage, &now, &desired);
+        let asked = || replay.desired(index.slot).reordered(&order);
+        let (desired, mut goal) = self.relabel(stage, &now, later.map(scene), asked);
         let mut simpler = self.simpler(stage, &now, &desired);
         let reward = goal.reward(&next, &self.tolerances);
         batch.rewards[row] = reward;
