@@ -1,4 +1,5 @@
-//! Tests of `rher-core` through its public interface, on worlds small enough to know the answer.
+//! Laws of `rher-core` through its public interface, on worlds small enough to know the answer: all of
+//! them take seconds. What needs training to show is in the target `learning`.
 
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 #![expect(clippy::float_cmp, reason = "what should be the same is the same to the last bit")]
@@ -6,7 +7,6 @@
 mod checkpoints;
 mod exploration;
 mod goals;
-mod learning;
 mod policies;
 mod relabelling;
 mod replays;

@@ -79,53 +79,6 @@ impl<const N: usize> Env<N> for Magnet<N> {
     }
 }
 
-/// A gripper that goes where it is told, and a target that one action can or cannot reach: the
-/// right value of every state is known.
-pub(crate) struct Probe {
-    spec: EnvSpec<1>,
-    target: f32,
-}
-
-impl Probe {
-    /// With its only target at `target` on the x axis; the gripper reaches −0.1 to 0.1, and an
-    /// object is wherever the gripper is.
-    pub(crate) fn new(target: f32) -> Self {
-        Self {
-            spec: EnvSpec {
-                name: "probe".to_owned(),
-                variant: String::new(),
-                obs_dim: 1,
-                action_dim: 1,
-                episode_steps: 5,
-                subtasks: 2,
-                tolerances: Tolerances::uniform(0.05),
-                mirrors: Vec::new(),
-                permutations: Vec::new(),
-            },
-            target,
-        }
-    }
-}
-
-impl Env<1> for Probe {
-    fn spec(&self) -> &EnvSpec<1> {
-        &self.spec
-    }
-
-    fn reset(&mut self, _seed: u64, observation: &mut [f32]) -> Result<Start<1>, EnvError> {
-        observation[0] = 1.0;
-        let here = Position::origin();
-        let desired = Desired::of_task([Position::new(self.target, 0.0, 0.0)]);
-        Ok(Start { achieved: Achieved(Scene { gripper: here, objects: [here] }), desired })
-    }
-
-    fn step(&mut self, action: &[f32], observation: &mut [f32]) -> Result<Achieved<1>, EnvError> {
-        observation[0] = 1.0;
-        let here = Position::new(STRIDE * action[0], 0.0, 0.0);
-        Ok(Achieved(Scene { gripper: here, objects: [here] }))
-    }
-}
-
 /// Settings that train in seconds.
 pub(crate) fn small(task: &str, objects: usize) -> TrainConfig {
     let mut config = Preset::Fast.config(task, objects);
@@ -153,22 +106,5 @@ impl Observer for Lines {
             self.0.push((**metrics).clone());
         }
         Ok(())
-    }
-}
-
-impl Lines {
-    /// The lines without what the wall clock says.
-    pub(crate) fn timeless(&self) -> Vec<Metrics> {
-        let timeless = |metrics: &Metrics| Metrics {
-            wall_s: 0.0,
-            time: rher_core::event::Seconds::default(),
-            ..metrics.clone()
-        };
-        self.0.iter().map(timeless).collect()
-    }
-
-    /// The last line.
-    pub(crate) fn last(&self) -> &Metrics {
-        self.0.last().expect("an evaluation")
     }
 }
