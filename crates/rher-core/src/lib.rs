@@ -48,3 +48,8 @@ pub mod replay;
 pub mod seed;
 #[cfg(feature = "agent")]
 pub mod train;
+
+/// The code of the tour is compiled and run.
+#[cfg(all(doctest, feature = "agent"))]
+#[doc = include_str!("../../../docs/tour.md")]
+struct Tour;
