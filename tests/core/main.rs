@@ -4,6 +4,7 @@
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 #![expect(clippy::float_cmp, reason = "what should be the same is the same to the last bit")]
 
+mod causes;
 mod checkpoints;
 mod exploration;
 mod goals;
