@@ -1,7 +1,6 @@
 //! A run that is stopped and resumed is the run that was never stopped.
 
 use crate::toy::{Lines, Magnet, small};
-use rher_core::config::EngineKind;
 use rher_core::config::{BatchMode, TrainConfig};
 use rher_core::event::{Event, Metrics, Observer, ObserverError, Seconds};
 use rher_core::train::checkpoint::CheckpointError;
@@ -121,18 +120,18 @@ fn a_stop_between_two_renames_loses_nothing() {
     assert_eq!(trainer.progress().episodes, 20);
 }
 
+#[cfg(all(feature = "burn", feature = "fused"))]
 #[test]
 fn a_run_of_one_engine_goes_on_with_the_other() {
-    let engines = [EngineKind::Fused, EngineKind::Burn];
-    for (first, second) in [(engines[0], engines[1]), (engines[1], engines[0])] {
+    use rher_core::config::EngineKind::{Burn, Fused};
+    for (first, second) in [(Fused, Burn), (Burn, Fused)] {
         let folder = tempfile::tempdir().unwrap();
         let mut config = config();
         config.agent.engine = first;
         let mut trainer = Trainer::new(config, envs(1), 1).unwrap();
         run_until(folder.path(), &mut trainer, 15);
-        let mut trainer = Trainer::resume(folder.path(), envs(1), 1).unwrap();
         let before = trainer.policy().clone();
-        trainer.set_engine(second);
+        let mut trainer = Trainer::resume_on(second, folder.path(), envs(1), 1).unwrap();
         assert_eq!(trainer.policy(), &before);
         run_until(folder.path(), &mut trainer, 30);
         assert_ne!(trainer.policy(), &before);
@@ -140,6 +139,17 @@ fn a_run_of_one_engine_goes_on_with_the_other() {
         assert_eq!(resumed.config().agent.engine, second);
         assert_eq!(resumed.policy(), trainer.policy());
     }
+}
+
+#[cfg(not(all(feature = "burn", feature = "fused")))]
+#[test]
+fn an_engine_that_is_not_compiled_in_is_refused_by_name() {
+    use rher_core::config::EngineKind::{Burn, Fused};
+    let mut config = config();
+    config.agent.engine = if cfg!(feature = "fused") { Burn } else { Fused };
+    let feature = format!("build with the feature `{}`", config.agent.engine.name());
+    let error = Trainer::new(config, envs(1), 1).err().unwrap().to_string();
+    assert!(error.contains(&feature), "{error}");
 }
 
 #[test]

@@ -5,9 +5,11 @@
 #![expect(clippy::float_cmp, reason = "what should be the same is the same to the last bit")]
 
 mod causes;
+#[cfg(feature = "train")]
 mod checkpoints;
 mod exploration;
 mod goals;
+#[cfg(feature = "train")]
 mod policies;
 mod relabelling;
 mod replays;

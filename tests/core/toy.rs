@@ -1,5 +1,7 @@
 //! Worlds without physics: a point that moves, and objects that stick to it.
 
+#![cfg_attr(not(feature = "train"), expect(dead_code, reason = "only training needs all of it"))]
+
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use rher_core::config::{Preset, TrainConfig};

@@ -143,7 +143,9 @@ impl Report {
                 "the state before it is saved; smaller `agent.actor_learning_rate` and \
                  `agent.critic_learning_rate` help against divergence",
             )),
-            TrainError::Config(_) => Some(Self { status: Status::Usage, hint: None }),
+            TrainError::Config(_) | TrainError::Engine(_) => {
+                Some(Self { status: Status::Usage, hint: None })
+            }
             TrainError::Observer(ObserverError(error)) => {
                 let of_ours = |WriteError { source, .. }: &_| Self::of_write(source);
                 let of_recording =

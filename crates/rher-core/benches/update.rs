@@ -7,7 +7,7 @@ use rand_distr::StandardNormal;
 use rayon::ThreadPoolBuilder;
 use rher_core::batch::Batch;
 use rher_core::config::{AgentConfig, EngineKind, Init, TargetEvery};
-use rher_core::learner;
+use rher_core::learner::engine;
 use rher_core::learner::state::LearnerState;
 
 const ACTION: usize = 4;
@@ -43,20 +43,21 @@ fn draw_batch(rows: usize, input: usize, rng: &mut ChaCha8Rng) -> Batch {
 
 fn update(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("update");
-    for (name, engine) in [("fused", EngineKind::Fused), ("burn", EngineKind::Burn)] {
+    for kind in [EngineKind::Fused, EngineKind::Burn] {
         for threads in [1, 2] {
             for input in [31, 81] {
                 for rows in [128, 256, 1024, 2048] {
                     let mut rng = ChaCha8Rng::seed_from_u64(0);
-                    let config = td3(engine);
+                    let config = td3(kind);
                     let state = LearnerState::new(&config, input, ACTION, &mut rng);
-                    let mut learner = learner::engine(&config, state);
+                    let mut learner =
+                        engine::build(&config, state).expect("both engines are compiled in");
                     let pool = ThreadPoolBuilder::new().num_threads(threads).build();
                     let pool = pool.expect("threads can be started");
                     let batch = draw_batch(rows, input, &mut rng);
                     let mut noise = vec![0.0; rows * ACTION];
                     noise.fill_with(|| rng.sample(StandardNormal));
-                    let id = BenchmarkId::new(name, format!("{rows}x{input}/{threads}"));
+                    let id = BenchmarkId::new(kind.name(), format!("{rows}x{input}/{threads}"));
                     group.bench_function(id, |bencher| {
                         // A mean over updates with and without the actor.
                         pool.install(|| {

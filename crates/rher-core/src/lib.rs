@@ -31,22 +31,19 @@ pub mod batch;
 pub mod config;
 pub mod env;
 pub mod episode;
-#[cfg(feature = "agent")]
+#[cfg(feature = "train")]
 pub mod evaluate;
-#[cfg(feature = "agent")]
 pub mod event;
 pub mod explore;
-#[cfg(feature = "agent")]
 mod files;
 pub mod goal;
 pub mod input;
 pub mod learner;
-#[cfg(feature = "agent")]
 pub mod policy;
 pub mod relabel;
 pub mod replay;
 pub mod seed;
-#[cfg(feature = "agent")]
+#[cfg(feature = "train")]
 pub mod train;
 
 /// The code of the tour is compiled and run.

@@ -1,5 +1,5 @@
 //! The fused engine does not allocate once it has seen a batch.
-#![cfg(feature = "agent")]
+#![cfg(feature = "fused")]
 #![expect(unsafe_code, reason = "an allocator that counts is unsafe to write")]
 
 use rand::SeedableRng as _;
@@ -7,8 +7,9 @@ use rand_chacha::ChaCha8Rng;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use rher_core::batch::Batch;
 use rher_core::config::{AgentConfig, EngineKind, Init, TargetEvery};
+use rher_core::learner::engine::Engine as _;
 use rher_core::learner::fused::FusedEngine;
-use rher_core::learner::state::{Engine as _, LearnerState};
+use rher_core::learner::state::LearnerState;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;

@@ -445,9 +445,9 @@ fn from_train(error: &CoreTrainError, raised: Option<PyErr>) -> PyErr {
             Python::attach(|py| told.set_cause(py, raised));
             told
         }
-        CoreTrainError::Config(_) | CoreTrainError::TooFewEnvs { .. } => {
-            SettingsError::new_err(told(error))
-        }
+        CoreTrainError::Config(_)
+        | CoreTrainError::Engine(_)
+        | CoreTrainError::TooFewEnvs { .. } => SettingsError::new_err(told(error)),
         CoreTrainError::Checkpoint(error) => from_checkpoint(error),
         CoreTrainError::Observer(_) => FileError::new_err(told(error)),
         CoreTrainError::NotFinite { .. } | CoreTrainError::Threads { .. } => {

@@ -108,15 +108,16 @@ impl EnvVisitor for Session {
                 (trainer, MetricsFile::create(&folder.metrics())?)
             }
             Start::Resumed { env_steps, until, engine } => {
-                let mut trainer = Trainer::resume(folder.path(), envs, workers)?;
+                let path = folder.path();
+                let mut trainer = match engine {
+                    Some(engine) => Trainer::resume_on(engine.into(), path, envs, workers)?,
+                    None => Trainer::resume(path, envs, workers)?,
+                };
                 if let Some(env_steps) = env_steps {
                     trainer.set_env_steps(env_steps);
                 }
                 if let Some(until) = until {
                     trainer.set_until(until);
-                }
-                if let Some(engine) = engine {
-                    trainer.set_engine(engine.into());
                 }
                 if let Some(finish) = trainer.finished() {
                     printer.note(already_finished(finish, &folder, trainer.progress()));

@@ -12,6 +12,20 @@ pub enum EngineKind {
     Fused,
 }
 
+impl EngineKind {
+    /// The engine of the presets: `Fused`, or `Burn` where only that one is compiled in.
+    pub const DEFAULT: Self =
+        if cfg!(all(feature = "burn", not(feature = "fused"))) { Self::Burn } else { Self::Fused };
+
+    /// Name in files and on the command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Burn => "burn",
+            Self::Fused => "fused",
+        }
+    }
+}
+
 /// How weights are drawn before the first update.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]

@@ -91,7 +91,7 @@ fn paper(task: &str, objects: usize) -> TrainConfig {
             warmup_episodes: if single { 0 } else { 50 },
         },
         agent: AgentConfig {
-            engine: EngineKind::Fused,
+            engine: EngineKind::DEFAULT,
             hidden: if single { vec![256; 3] } else { vec![256; 2] },
             init: if single { Init::Xavier } else { Init::FanIn },
             critics: if single { 1 } else { 2 },

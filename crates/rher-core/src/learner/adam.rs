@@ -3,7 +3,8 @@
 //! Each closure given to `dispatch` consumes an iterator: one that consumes nothing is called
 //! through a shim, and not compiled for the wider registers.
 
-use super::state::{BETA_1, BETA_2, EPSILON, Trained};
+use super::engine::{BETA_1, BETA_2, EPSILON};
+use super::state::Trained;
 use pulp::Arch;
 
 impl Trained {
@@ -45,7 +46,7 @@ impl Trained {
 }
 
 /// Sum of squares, in an order that does not depend on the processor.
-pub fn squared_norm(values: &[f32]) -> f32 {
+pub(super) fn squared_norm(values: &[f32]) -> f32 {
     const LANES: usize = 32;
     let (chunks, rest) = values.as_chunks::<LANES>();
     let chunks = chunks.iter();

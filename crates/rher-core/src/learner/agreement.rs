@@ -1,8 +1,9 @@
 //! The fused engine against autodiff, update by update.
 
 use super::burn::BurnEngine;
+use super::engine::Engine as _;
 use super::fused::FusedEngine;
-use super::state::{Engine as _, LearnerState, Trained};
+use super::state::{LearnerState, Trained};
 use crate::batch::Batch;
 use crate::config::Preset;
 use crate::config::{AgentConfig, Init, TargetEvery};

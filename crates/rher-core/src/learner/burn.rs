@@ -1,8 +1,9 @@
 //! The reference engine: Burn's modules and autodiff, one explicit graph per loss.
 
 use super::adam::squared_norm;
-use super::network::{self, Shape};
-use super::state::{Engine, LearnerState, Losses, NORM_EPSILON, NotFinite, Trained};
+use super::engine::{Engine, Losses, NotFinite};
+use super::network::{self, NORM_EPSILON, Shape};
+use super::state::{LearnerState, Trained};
 use crate::batch::Batch;
 use crate::config::{AgentConfig, TargetEvery};
 use burn::backend::{Autodiff, NdArray};
@@ -131,11 +132,15 @@ impl<B: AutodiffBackend> Engine for AutodiffEngine<B> {
         networks.for_each(|trained| trained.follow(self.config.target_rate));
     }
 
-    fn actor(&mut self) -> &[f32] {
-        &self.state.actor.online
+    fn actor(&self) -> Vec<f32> {
+        self.state.actor.online.clone()
     }
 
-    fn state(&mut self) -> LearnerState {
+    fn critic(&self) -> Vec<f32> {
+        self.state.critics[0].online.clone()
+    }
+
+    fn state(&self) -> LearnerState {
         self.state.clone()
     }
 }

@@ -1,9 +1,10 @@
 //! What every engine must do: its gradients against differences of f64 losses, its values against
 //! problems whose answer is known.
 
+use super::engine::{BETA_1, Engine};
 use super::infer::Inference;
-use super::network::Shape;
-use super::state::{BETA_1, Engine, LearnerState, NORM_EPSILON, Trained};
+use super::network::{NORM_EPSILON, Shape};
+use super::state::{LearnerState, Trained};
 use crate::batch::Batch;
 use crate::config::{AgentConfig, EngineKind, Init, TargetEvery};
 use rand::{RngExt as _, SeedableRng as _};
@@ -213,7 +214,7 @@ fn trained<E: Engine>(build: Build<E>, reward: impl Fn(&[f32]) -> f32) -> (f32, 
     }
     let mut actions = [0.0; ACTION];
     let shape = engine.state().actor.shape;
-    Inference::new(&shape).act(engine.actor(), &[0.5; INPUT], &mut actions);
+    Inference::new(&shape).act(&engine.actor(), &[0.5; INPUT], &mut actions);
     (engine.update(&batch, &noise).expect("finite").q_mean, actions[0])
 }
 

@@ -5,8 +5,7 @@
     reason = "wide registers are for what is inlined under `dispatch`"
 )]
 
-use super::network::{Layer, Shape};
-use super::state::NORM_EPSILON;
+use super::network::{Layer, NORM_EPSILON, Shape};
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 

@@ -5,6 +5,9 @@ use rand::{Rng, RngExt as _};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
+/// Guard against division by zero in layer normalisation.
+pub const NORM_EPSILON: f32 = 1e-5;
+
 /// Layers of a fully connected network with rectified hidden layers.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Shape {

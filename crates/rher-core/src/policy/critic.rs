@@ -5,7 +5,6 @@ use crate::goal::{EncodedGoal, Stage};
 use crate::input::InputEncoder;
 use crate::learner::infer::Inference;
 use crate::learner::network::Shape;
-use crate::learner::state::Trained;
 
 /// A frozen critic with everything it needs to judge actions.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,10 +15,9 @@ pub struct Critic {
 }
 
 impl Critic {
-    /// The critic as it is now, for inputs of `encoder`.
-    pub fn new(encoder: InputEncoder, trained: &Trained) -> Self {
-        let Trained { shape, online, .. } = trained;
-        Self { encoder, shape: shape.clone(), parameters: online.clone() }
+    /// A critic for inputs of `encoder`, with `parameters` in the layout of `shape`.
+    pub fn new(encoder: InputEncoder, shape: Shape, parameters: Vec<f32>) -> Self {
+        Self { encoder, shape, parameters }
     }
 
     /// The return it expects of every action of an episode, each for the sub-task that ends with

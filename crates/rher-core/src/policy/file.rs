@@ -110,6 +110,7 @@ impl Policy {
     }
 
     /// What the network sees.
+    #[cfg(feature = "train")]
     pub(crate) fn encoder(&self) -> &InputEncoder {
         &self.encoder
     }

@@ -18,7 +18,7 @@ use crate::env::EnvSpec;
 use crate::episode::Episode;
 use crate::files;
 use crate::goal::{Achieved, Desired, Position, Scene};
-use crate::learner::state::LearnerState;
+use crate::learner::state::{LearnerState, Trained};
 use crate::policy::Critic;
 use crate::replay::Replay;
 use std::fs::{File, OpenOptions};
@@ -102,7 +102,9 @@ pub fn read_variant(folder: &Path) -> Result<String, CheckpointError> {
 
 /// The first critic of the run in `folder`: what the learner expects of actions.
 pub fn read_critic(folder: &Path) -> Result<Critic, CheckpointError> {
-    read_state(folder).map(|(state, learner)| Critic::new(state.encoder, &learner.critics[0]))
+    let (state, mut learner) = read_state(folder)?;
+    let Trained { shape, online, .. } = learner.critics.swap_remove(0);
+    Ok(Critic::new(state.encoder, shape, online))
 }
 
 /// Writes a checkpoint of `state`, of `learner` and of the episodes that are not on disk yet, whose first is

@@ -5,7 +5,7 @@ use crate::config::ConfigError;
 use crate::episode::RolloutError;
 use crate::evaluate::EvaluateError;
 use crate::event::ObserverError;
-use crate::learner::state::NotFinite;
+use crate::learner::engine::{MissingEngine, NotFinite};
 
 /// Why a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,6 +24,9 @@ pub enum TrainError {
     /// A setting is outside its range.
     #[error(transparent)]
     Config(#[from] ConfigError),
+    /// The settings name an engine that is not part of this build.
+    #[error(transparent)]
+    Engine(#[from] MissingEngine),
     /// Fewer environments than the settings ask for.
     #[error("{given} environments were given, expected at least `envs` = {expected}")]
     TooFewEnvs {

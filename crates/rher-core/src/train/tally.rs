@@ -5,7 +5,7 @@ use crate::evaluate::Evaluation;
 use crate::event::{Metrics, Progress, Seconds, SourceShares};
 use crate::explore::ActionSource;
 use crate::goal::{EncodedGoal, Stage, Tolerances};
-use crate::learner::state::Losses;
+use crate::learner::engine::Losses;
 use serde::{Deserialize, Serialize};
 
 /// An object that went further than this from where it started was moved, in metres.

@@ -17,8 +17,9 @@ use crate::event::{Event, Observer, Progress, Seconds};
 use crate::explore::{ActionLog, Curriculum, Decision, Explorer, Selection};
 use crate::goal::Stage;
 use crate::input::InputEncoder;
+use crate::learner::engine::{self, Engine};
 use crate::learner::network::Shape;
-use crate::learner::state::{Engine, LearnerState};
+use crate::learner::state::LearnerState;
 use crate::policy::{Critic, Policy, PolicyInfo};
 use crate::relabel::Relabeler;
 use crate::replay::Replay;
@@ -45,6 +46,7 @@ pub struct Trainer<const N: usize, E> {
     noise: Vec<f32>,
     engine: Box<dyn Engine>,
     actor_shape: Shape,
+    critic_shape: Shape,
     policy: Policy,
 }
 
@@ -95,6 +97,30 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
     /// What follows is what would have followed had it never stopped.
     pub fn resume(folder: &Path, envs: Vec<E>, workers: usize) -> Result<Self, TrainError> {
         let (state, learner) = checkpoint::read_state(folder)?;
+        Self::restore(folder, state, learner, envs, workers)
+    }
+
+    /// Resumes the run whose folder is `folder` on another engine than it had.
+    ///
+    /// What follows differs from what the other engine would compute by rounding alone.
+    pub fn resume_on(
+        engine: EngineKind,
+        folder: &Path,
+        envs: Vec<E>,
+        workers: usize,
+    ) -> Result<Self, TrainError> {
+        let (mut state, learner) = checkpoint::read_state(folder)?;
+        state.config.agent.engine = engine;
+        Self::restore(folder, state, learner, envs, workers)
+    }
+
+    fn restore(
+        folder: &Path,
+        state: RunState,
+        learner: LearnerState,
+        envs: Vec<E>,
+        workers: usize,
+    ) -> Result<Self, TrainError> {
         let spec = first(&envs, &state.config)?.spec();
         let replay = checkpoint::read_replay(folder, &state, spec)?;
         Self::assemble(state, learner, replay, envs, workers)
@@ -126,12 +152,13 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
         let relabeler = Relabeler::new(&config.relay, &spec);
         let noise = vec![0.0; rows * stages.len() * info.action_dim];
         let actor_shape = learner.actor.shape.clone();
-        let mut engine = crate::learner::engine(&state.config.agent, learner);
+        let critic_shape = learner.critics[0].shape.clone();
+        let engine = engine::build(&state.config.agent, learner)?;
         let policy = Policy::new(
             state.info.clone(),
             state.encoder.clone(),
             actor_shape.clone(),
-            engine.actor().to_vec(),
+            engine.actor(),
         );
         let saved_episodes = replay.pushed();
         Ok(Self {
@@ -146,6 +173,7 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
             noise,
             engine,
             actor_shape,
+            critic_shape,
             policy,
         })
     }
@@ -163,13 +191,6 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
     /// Changes the success rate that ends the run.
     pub fn set_until(&mut self, until: f32) {
         self.state.config.until = until;
-    }
-
-    /// Goes on with another engine from where this one is.
-    pub fn set_engine(&mut self, engine: EngineKind) {
-        let agent = &mut self.state.config.agent;
-        agent.engine = engine;
-        self.engine = crate::learner::engine(agent, self.engine.state());
     }
 
     /// How far the run is.
@@ -301,8 +322,8 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
 
     /// The next training episode for those who look on.
     fn script(&mut self, seed: u64, episode: &Episode<N>, choices: &[Selection<N>]) -> ActionLog {
-        let critics = self.engine.state().critics;
-        let critic = Critic::new(self.policy.encoder().clone(), &critics[0]);
+        let encoder = self.policy.encoder().clone();
+        let critic = Critic::new(encoder, self.critic_shape.clone(), self.engine.critic());
         let stages: Vec<Stage<N>> = choices.iter().map(|choice| choice.stage).collect();
         let values = critic.values(episode, &stages);
         let decisions = choices.iter().zip(values).map(|(choice, value)| Decision {
@@ -372,7 +393,7 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
             self.state.info.clone(),
             self.state.encoder.clone(),
             self.actor_shape.clone(),
-            self.engine.actor().to_vec(),
+            self.engine.actor(),
         );
         Ok(())
     }

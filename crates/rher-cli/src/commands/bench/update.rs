@@ -13,7 +13,7 @@ use rayon::ThreadPoolBuilder;
 use rher_core::batch::Batch;
 use rher_core::config::AgentConfig;
 use rher_core::config::Preset;
-use rher_core::learner;
+use rher_core::learner::engine;
 use rher_core::learner::fused::{flops, gemm_peak};
 use rher_core::learner::state::LearnerState;
 use rher_core::seed::{Purpose, Seed};
@@ -129,7 +129,7 @@ fn measure(
     let mut noise = vec![0.0; batch * ACTION];
     noise.fill_with(|| rng.sample(StandardNormal));
 
-    let mut learner = learner::engine(&config, state);
+    let mut learner = engine::build(&config, state)?;
     let mut time = |least: Duration| -> anyhow::Result<Vec<f64>> {
         let started = Instant::now();
         let mut seconds = Vec::new();

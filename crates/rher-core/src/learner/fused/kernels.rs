@@ -6,7 +6,8 @@
 #![expect(clippy::inline_always, reason = "vector instructions reach only what is inlined")]
 
 use super::buffer::LINE;
-use crate::learner::state::{BETA_1, BETA_2, EPSILON, NORM_EPSILON};
+use crate::learner::engine::{BETA_1, BETA_2, EPSILON};
+use crate::learner::network::NORM_EPSILON;
 
 /// x ← x + b.
 #[inline(always)]

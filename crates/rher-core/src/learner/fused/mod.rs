@@ -15,7 +15,8 @@ mod tests;
 mod threads;
 mod work;
 
-use super::state::{Engine, LearnerState, Losses, NotFinite};
+use super::engine::{Engine, Losses, NotFinite};
+use super::state::LearnerState;
 use crate::batch::Batch;
 use crate::config::{AgentConfig, TargetEvery};
 use gemm::Gemm;
@@ -171,11 +172,15 @@ impl Engine for FusedEngine {
         }
     }
 
-    fn actor(&mut self) -> &[f32] {
-        &self.actor.online.flat
+    fn actor(&self) -> Vec<f32> {
+        self.actor.online.flat.to_vec()
     }
 
-    fn state(&mut self) -> LearnerState {
+    fn critic(&self) -> Vec<f32> {
+        self.critics[0].online.flat.to_vec()
+    }
+
+    fn state(&self) -> LearnerState {
         LearnerState {
             actor: self.actor.trained(),
             critics: self.critics.iter().map(Network::trained).collect(),

@@ -4,7 +4,7 @@ use super::kernels::{self, Step};
 use super::network::Network;
 use super::pass::Machine;
 use super::threads::join;
-use crate::learner::state::{BETA_1, BETA_2};
+use crate::learner::engine::{BETA_1, BETA_2};
 
 /// Parameters whose summed gradient stays in the nearest cache.
 const BLOCK: usize = 2048;

@@ -2,10 +2,9 @@ use super::{FusedEngine, Simd};
 use crate::batch::Batch;
 use crate::config::{AgentConfig, EngineKind, Init, TargetEvery};
 use crate::learner::contract;
-use crate::learner::network::Shape;
-use crate::learner::state::{
-    BETA_1, BETA_2, EPSILON, Engine as _, LearnerState, Losses, NORM_EPSILON, Trained,
-};
+use crate::learner::engine::{BETA_1, BETA_2, EPSILON, Engine as _, Losses};
+use crate::learner::network::{NORM_EPSILON, Shape};
+use crate::learner::state::{LearnerState, Trained};
 use rand::{Rng, RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
@@ -385,6 +384,26 @@ fn a_saved_state_continues_with_the_same_bits() {
     let (saved, _) = train(&mut engine, 64, 3);
     let mut restored = FusedEngine::from_state(&config, saved);
     assert_eq!(train(&mut engine, 64, 3), train(&mut restored, 64, 3));
+}
+
+#[test]
+fn gradients_are_slopes_of_the_losses() {
+    contract::gradients_are_slopes_of_the_losses(FusedEngine::from_state);
+}
+
+#[test]
+fn a_copy_of_the_state_goes_on_alike() {
+    contract::a_copy_of_the_state_goes_on_alike(FusedEngine::from_state);
+}
+
+#[test]
+fn values_are_the_known_returns() {
+    contract::values_are_the_known_returns(FusedEngine::from_state);
+}
+
+#[test]
+fn the_actor_finds_the_rewarded_action() {
+    contract::the_actor_finds_the_rewarded_action(FusedEngine::from_state);
 }
 
 #[test]
