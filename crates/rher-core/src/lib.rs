@@ -47,6 +47,6 @@ pub mod seed;
 pub mod train;
 
 /// The code of the tour is compiled and run.
-#[cfg(all(doctest, feature = "agent"))]
+#[cfg(all(doctest, feature = "fused"))]
 #[doc = include_str!("../../../docs/tour.md")]
 struct Tour;
