@@ -49,5 +49,5 @@ fn a_damaged_policy_file_is_refused() {
         assert!(matches!(error, PolicyError::Malformed { .. }), "{length}: {error}");
     }
     std::fs::remove_file(&path).unwrap();
-    assert!(matches!(Policy::load(&path), Err(PolicyError::Io { .. })));
+    assert!(matches!(Policy::load(&path), Err(PolicyError::File(_))));
 }

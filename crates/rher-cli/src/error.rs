@@ -7,13 +7,14 @@ use crate::runs::RunError;
 use rher_core::episode::RolloutError;
 use rher_core::evaluate::EvaluateError;
 use rher_core::event::ObserverError;
+use rher_core::files::{Access, FileError};
 use rher_core::policy::PolicyError;
 use rher_core::train::TrainError;
 use rher_core::train::checkpoint::CheckpointError;
 use rher_record::export::ExportError;
 use rher_record::{PlayError, ReadError};
 use rher_runs::settings::{Origin, SettingsError, Source};
-use rher_runs::{MetricsError, RunDirError, WriteError};
+use rher_runs::{MetricsError, RunDirError};
 use std::error::Error;
 use std::io;
 
@@ -53,17 +54,11 @@ impl Report {
             .or_else(|| cause.downcast_ref().and_then(Self::of_recording))
             .or_else(|| cause.downcast_ref().map(Self::of_play))
             .or_else(|| cause.downcast_ref().map(Self::of_not_real))
-            .or_else(|| {
-                let of = |rher_record::WriteError { source, .. }: &_| Self::of_write(source);
-                cause.downcast_ref().map(of)
-            })
             .or_else(|| cause.downcast_ref().map(Self::of_export))
             .or_else(|| cause.downcast_ref().map(foreign))
             .or_else(|| Self::of_live(cause))
             .or_else(|| cause.downcast_ref().map(|StdoutError(error)| Self::of_write(error)))
-            .or_else(|| {
-                cause.downcast_ref().map(|WriteError { source, .. }| Self::of_write(source))
-            })
+            .or_else(|| cause.downcast_ref().and_then(Self::of_file))
     }
 
     fn new(status: Status, hint: impl Into<String>) -> Self {
@@ -127,7 +122,7 @@ impl Report {
                 path.display()
             ),
             RunDirError::NoRun { .. } => "`rher train <TASK> --out DIR` starts one".to_owned(),
-            RunDirError::Write(error) => return Self::of_write(&error.source),
+            RunDirError::File(error) => return Self::of_write(&error.source),
             RunDirError::Settings(error) => return Self::of_settings(error),
         };
         Self::new(Status::RunFolder, hint)
@@ -147,12 +142,8 @@ impl Report {
                 Some(Self { status: Status::Usage, hint: None })
             }
             TrainError::Observer(ObserverError(error)) => {
-                let of_ours = |WriteError { source, .. }: &_| Self::of_write(source);
-                let of_recording =
-                    |rher_record::WriteError { source, .. }: &_| Self::of_write(source);
-                let ours = error.downcast_ref().map(of_ours);
-                ours.or_else(|| error.downcast_ref().map(of_recording))
-                    .or_else(|| error.downcast_ref().map(Self::of_play))
+                let of_file = error.downcast_ref().and_then(Self::of_file);
+                of_file.or_else(|| error.downcast_ref().map(Self::of_play))
             }
             TrainError::TooFewEnvs { .. } | TrainError::Threads { .. } => None,
         }
@@ -195,8 +186,7 @@ impl Report {
             }
             CheckpointError::Policy(error) => Self::of_policy(error),
             CheckpointError::Mismatch { .. } => Some(Self { status: Status::Damaged, hint: None }),
-            CheckpointError::Io { verb: "write", source, .. } => Some(Self::of_write(source)),
-            CheckpointError::Io { .. } => None,
+            CheckpointError::File(error) => Self::of_file(error),
         }
     }
 
@@ -206,11 +196,15 @@ impl Report {
                 Status::Damaged,
                 "a policy file is the `policy.safetensors` of a run folder",
             )),
-            PolicyError::Io { verb: "write", source, .. } => Some(Self::of_write(source)),
-            PolicyError::Io { source, .. } if source.kind() == io::ErrorKind::NotFound => Some(
-                Self::new(Status::RunFolder, "name a run folder with a policy, or a policy file"),
-            ),
-            PolicyError::Io { .. } => None,
+            PolicyError::File(FileError { access: Access::Read, source, .. })
+                if source.kind() == io::ErrorKind::NotFound =>
+            {
+                Some(Self::new(
+                    Status::RunFolder,
+                    "name a run folder with a policy, or a policy file",
+                ))
+            }
+            PolicyError::File(error) => Self::of_file(error),
         }
     }
 
@@ -220,8 +214,7 @@ impl Report {
                 Status::Damaged,
                 "bring the file back, or start a new run with --out",
             )),
-            MetricsError::Write(error) => Some(Self::of_write(&error.source)),
-            MetricsError::Read { .. } => None,
+            MetricsError::File(error) => Self::of_file(error),
         }
     }
 
@@ -246,8 +239,12 @@ impl Report {
     fn of_recording(error: &ReadError) -> Option<Self> {
         const MADE: &str = "`rher play RUN --mcap FILE` makes a recording";
         let hint = match error {
-            ReadError::Io { source, .. } if source.kind() == io::ErrorKind::NotFound => MADE.into(),
-            ReadError::Io { .. } => return None,
+            ReadError::File(FileError { source, .. })
+                if source.kind() == io::ErrorKind::NotFound =>
+            {
+                MADE.into()
+            }
+            ReadError::File(_) => return None,
             ReadError::NotMcap { .. } | ReadError::Foreign { .. } => MADE.into(),
             ReadError::CutOff { path, whole: 0 } => {
                 format!("nothing in `{}` can be saved; record it again", path.display())
@@ -278,7 +275,7 @@ impl Report {
             ExportError::Exists { .. } => {
                 Self::new(Status::Unwritable, "choose another folder with --out, or take it away")
             }
-            ExportError::Io { source, .. } => Self::of_write(source),
+            ExportError::File(error) => Self::of_write(&error.source),
             ExportError::Table { .. } => Self { status: Status::Failure, hint: None },
         }
     }
@@ -301,6 +298,13 @@ impl Report {
         });
         let hint = hint.unwrap_or_else(|| "someone changed the recording, or the program".into());
         Self::new(Status::NotReal, hint)
+    }
+
+    fn of_file(FileError { access, source, .. }: &FileError) -> Option<Self> {
+        match access {
+            Access::Read => None,
+            Access::Write => Some(Self::of_write(source)),
+        }
     }
 
     fn of_write(error: &io::Error) -> Self {

@@ -8,8 +8,9 @@ use crate::printer::Printer;
 use crate::runs::{Evaluation, read_evaluations};
 use crate::values::Assignment;
 use anyhow::Context as _;
+use rher_core::files::FileError;
 use rher_envs::Task;
-use rher_runs::{RunDir, WriteError, read_config, settings};
+use rher_runs::{RunDir, read_config, settings};
 use serde::Serialize;
 use std::ffi::OsString;
 use std::fmt;
@@ -88,7 +89,7 @@ pub(crate) fn run(
     for Job { task, settings, .. } in jobs {
         settings::resolve(*task, &settings.into())?;
     }
-    std::fs::create_dir_all(out).map_err(|source| WriteError { path: out.to_owned(), source })?;
+    std::fs::create_dir_all(out).map_err(FileError::write(out))?;
     let at_a_time = at_a_time.min(jobs.len());
     printer.note(format_args!("{} runs in {}, {at_a_time} at a time", jobs.len(), out.display()));
     // The first Ctrl-C reaches every run, which saves and ends; this process waits for them.

@@ -11,7 +11,6 @@ mod figure;
 mod film;
 mod jobs;
 mod observe;
-mod output;
 mod pictures;
 mod printer;
 mod published;

@@ -2,10 +2,9 @@
 
 use crate::animation::Animation;
 use crate::film::SIZE;
-use crate::output;
+use rher_core::files::{self, FileError};
 use rher_envs::render::{Camera, Image, Renderer};
 use rher_envs::thing::{Role, Thing};
-use rher_runs::WriteError;
 use std::path::PathBuf;
 
 /// Draws episodes, one after the other.
@@ -21,10 +20,9 @@ impl Pictures {
     pub(crate) fn new(
         gif: Option<&PathBuf>,
         png_dir: Option<&PathBuf>,
-    ) -> Result<Option<Self>, WriteError> {
+    ) -> Result<Option<Self>, FileError> {
         if let Some(folder) = png_dir {
-            std::fs::create_dir_all(folder)
-                .map_err(|source| WriteError { path: folder.clone(), source })?;
+            std::fs::create_dir_all(folder).map_err(FileError::write(folder))?;
         }
         let is_asked_for = gif.is_some() || png_dir.is_some();
         Ok(is_asked_for.then(|| Self {
@@ -48,7 +46,7 @@ impl Pictures {
         if let Some(folder) = &self.png_dir {
             for (step, image) in images.iter().enumerate() {
                 let name = format!("episode-{number:03}-step-{step:03}.png");
-                output::write(&folder.join(name), &image.png()?)?;
+                files::replace(&folder.join(name), &image.png()?)?;
             }
         }
         if self.gif.is_some() {
@@ -63,7 +61,7 @@ impl Pictures {
     /// Writes the moving picture; files of single steps are there already.
     pub(crate) fn finish(self) -> anyhow::Result<()> {
         if let (Some(path), Some(animation)) = (self.gif, self.animation) {
-            output::write(&path, &animation.finish()?)?;
+            files::replace(&path, &animation.finish()?)?;
         }
         Ok(())
     }

@@ -3,8 +3,9 @@
 use crate::commands::made_with;
 use crate::error::ForeignTask;
 use rher_core::config::TestPolicy;
+use rher_core::files::FileError;
 use rher_core::policy::Critic;
-use rher_core::policy::{Policy, PolicyError};
+use rher_core::policy::Policy;
 use rher_core::train::checkpoint::{self, POLICY_FILE};
 use rher_envs::{Options, Task};
 use rher_record::About;
@@ -53,11 +54,7 @@ impl Trained {
 
     /// Adds to what a recording says of itself where its policy comes from.
     pub(crate) fn describe(&self, about: &mut About) -> anyhow::Result<()> {
-        let bytes = std::fs::read(&self.file).map_err(|source| PolicyError::Io {
-            verb: "read",
-            path: self.file.clone(),
-            source,
-        })?;
+        let bytes = std::fs::read(&self.file).map_err(FileError::read(&self.file))?;
         about.policy_sha256 = sha256(&bytes);
         if let Some(run) = &self.run {
             about.config = settings::to_toml(run)?;

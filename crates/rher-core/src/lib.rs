@@ -35,7 +35,7 @@ pub mod episode;
 pub mod evaluate;
 pub mod event;
 pub mod explore;
-mod files;
+pub mod files;
 pub mod goal;
 pub mod input;
 pub mod learner;

@@ -28,7 +28,7 @@ pub(crate) struct PolicyFailure(CorePolicyError);
 impl From<PolicyFailure> for PyErr {
     fn from(PolicyFailure(error): PolicyFailure) -> Self {
         match error {
-            CorePolicyError::Io { .. } => FileError::new_err(told(&error)),
+            CorePolicyError::File(_) => FileError::new_err(told(&error)),
             CorePolicyError::Malformed { .. } => PolicyError::new_err(told(&error)),
         }
     }

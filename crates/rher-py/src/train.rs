@@ -11,13 +11,14 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyType};
 use rher_core::config::{Method, Preset};
 use rher_core::event::{Event, ObserverError, Progress};
+use rher_core::files::FileError as CoreFileError;
 use rher_core::policy::PolicyError as CorePolicyError;
 use rher_core::train::checkpoint::{self, CheckpointError};
 use rher_core::train::{Finish, TrainError as CoreTrainError};
 use rher_envs::{Options, Task};
 use rher_runs::{
     Asked, CONFIG_FILE, MetricsError, MetricsFile, RunDir, RunDirError, Settings,
-    SettingsError as CoreSettingsError, WriteError, settings,
+    SettingsError as CoreSettingsError, settings,
 };
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -419,7 +420,7 @@ fn from_run_dir(error: RunDirError) -> PyErr {
     }
 }
 
-fn from_write(error: &WriteError) -> PyErr {
+fn from_write(error: &CoreFileError) -> PyErr {
     FileError::new_err(told(error))
 }
 

@@ -5,6 +5,7 @@ use crate::message::{Timed, Topic};
 use crate::player::PAUSE;
 use mcap::records::{MessageHeader, Metadata};
 use mcap::{Compression, McapError, WriteOptions, Writer};
+use rher_core::files::FileError;
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{self, BufWriter, Write as _};
@@ -15,16 +16,6 @@ pub const LAYOUT: &str = include_str!("layout.json");
 
 /// When the first message of a file is sent, in nanoseconds: 0 is "never" to some readers.
 const FIRST: u64 = 1_000_000_000;
-
-/// A file or folder cannot be written.
-#[derive(Debug, thiserror::Error)]
-#[error("cannot write `{}`", path.display())]
-pub struct WriteError {
-    /// What cannot be written.
-    pub path: PathBuf,
-    /// What the system said.
-    pub source: io::Error,
-}
 
 /// A recording that is being written.
 ///
@@ -42,10 +33,10 @@ pub struct RecordingFile {
 
 impl RecordingFile {
     /// Starts a recording that will have this path.
-    pub fn create(path: &Path, about: &About) -> Result<Self, WriteError> {
+    pub fn create(path: &Path, about: &About) -> Result<Self, FileError> {
         // The extension stays: what opens a recording should open one that was cut off.
         let part = path.with_extension("part.mcap");
-        let file = File::create(&part).map_err(failed(&part))?;
+        let file = File::create(&part).map_err(FileError::write(&part))?;
         Self::begin(BufWriter::new(file), about)
             .map(|(writer, channels)| Self {
                 path: path.to_owned(),
@@ -56,7 +47,7 @@ impl RecordingFile {
                 next: FIRST,
                 episodes: 0,
             })
-            .map_err(|error| failed(&part)(into_io(error)))
+            .map_err(|error| FileError::write(&part)(into_io(error)))
     }
 
     fn begin(
@@ -95,8 +86,8 @@ impl RecordingFile {
     }
 
     /// Adds an episode, whose messages are sent from [`next`](Self::next) on.
-    pub fn add(&mut self, messages: &[Timed]) -> Result<(), WriteError> {
-        self.write(messages).map_err(|error| failed(&self.part)(into_io(error)))?;
+    pub fn add(&mut self, messages: &[Timed]) -> Result<(), FileError> {
+        self.write(messages).map_err(|error| FileError::write(&self.part)(into_io(error)))?;
         self.next = messages.last().map_or(self.next, |last| last.time + PAUSE);
         self.episodes += 1;
         Ok(())
@@ -114,31 +105,29 @@ impl RecordingFile {
     }
 
     /// Gives the recording its name, lays a [`LAYOUT`] beside it, and tells its path.
-    pub fn finish(mut self) -> Result<PathBuf, WriteError> {
-        self.writer.finish().map_err(|error| failed(&self.part)(into_io(error)))?;
+    pub fn finish(mut self) -> Result<PathBuf, FileError> {
+        self.writer.finish().map_err(|error| FileError::write(&self.part)(into_io(error)))?;
         let mut file = self.writer.into_inner();
-        file.flush().and_then(|()| file.get_ref().sync_all()).map_err(failed(&self.part))?;
-        std::fs::rename(&self.part, &self.path).map_err(failed(&self.path))?;
+        file.flush()
+            .and_then(|()| file.get_ref().sync_all())
+            .map_err(FileError::write(&self.part))?;
+        std::fs::rename(&self.part, &self.path).map_err(FileError::write(&self.path))?;
         let layout = layout_beside(&self.path);
-        std::fs::write(&layout, LAYOUT).map_err(failed(&layout))?;
+        std::fs::write(&layout, LAYOUT).map_err(FileError::write(&layout))?;
         Ok(self.path)
     }
 
     /// Takes the recording back: nothing stays of it.
-    pub fn discard(self) -> Result<(), WriteError> {
+    pub fn discard(self) -> Result<(), FileError> {
         let part = self.part;
         drop(self.writer.into_inner());
-        std::fs::remove_file(&part).map_err(failed(&part))
+        std::fs::remove_file(&part).map_err(FileError::write(&part))
     }
 }
 
 /// Where the layout of a recording lies.
 pub fn layout_beside(recording: &Path) -> PathBuf {
     recording.with_extension("layout.json")
-}
-
-fn failed(path: &Path) -> impl Fn(io::Error) -> WriteError {
-    move |source| WriteError { path: path.to_owned(), source }
 }
 
 fn into_io(error: McapError) -> io::Error {

@@ -20,7 +20,7 @@ mod tests;
 pub mod verify;
 
 pub use about::{About, AboutError, Source};
-pub use file::{LAYOUT, RecordingFile, WriteError, layout_beside};
+pub use file::{LAYOUT, RecordingFile, layout_beside};
 #[cfg(feature = "live")]
 pub use live::{Live, LiveError};
 pub use player::{PlayError, Played, Player};

@@ -6,8 +6,9 @@ use mcap::records::Record;
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use mcap::{MAGIC, McapError};
 use rher_core::explore::{ActionLog, Decision};
+use rher_core::files::FileError;
 use std::collections::HashMap;
-use std::io::{self, Read as _};
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 /// Longest record or chunk that is read, in bytes: the lengths in a damaged file ask for memory
@@ -53,13 +54,8 @@ pub struct Sent {
 #[derive(Debug, thiserror::Error)]
 pub enum ReadError {
     /// The file system refused.
-    #[error("cannot read `{}`", path.display())]
-    Io {
-        /// The file.
-        path: PathBuf,
-        /// What it said.
-        source: io::Error,
-    },
+    #[error(transparent)]
+    File(#[from] FileError),
     /// It does not begin like an MCAP file.
     #[error("`{}` is not an MCAP file", path.display())]
     NotMcap {
@@ -108,8 +104,7 @@ impl Recording {
     /// Reads a file.
     pub fn read(path: &Path) -> Result<Self, ReadError> {
         let path_of = || path.to_owned();
-        let bytes =
-            std::fs::read(path).map_err(|source| ReadError::Io { path: path_of(), source })?;
+        let bytes = std::fs::read(path).map_err(FileError::read(path))?;
         if !bytes.starts_with(MAGIC) {
             return Err(ReadError::NotMcap { path: path_of() });
         }

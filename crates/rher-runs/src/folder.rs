@@ -3,9 +3,9 @@
 use crate::machine::Machine;
 use crate::settings::{self, Settings, SettingsError};
 use rher_core::config::TrainConfig;
+use rher_core::files::{self, FileError};
 use rher_core::train::checkpoint::{self, CheckpointError, POLICY_FILE};
 use std::fs::{File, TryLockError};
-use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
 /// The settings of a run.
@@ -34,7 +34,7 @@ impl RunDir {
 
     /// Makes the folder of a new run, with a note of the machine that makes it.
     pub fn create(path: &Path) -> Result<Self, RunDirError> {
-        std::fs::create_dir_all(path).map_err(unwritable(path))?;
+        std::fs::create_dir_all(path).map_err(FileError::write(path))?;
         let folder = Self::lock(path)?;
         // Someone may have deleted the checkpoint and kept the policy.
         if holds_checkpoint(path) || path.join(POLICY_FILE).exists() {
@@ -55,11 +55,11 @@ impl RunDir {
 
     fn lock(path: &Path) -> Result<Self, RunDirError> {
         let lock_path = path.join(LOCK_FILE);
-        let lock = File::create(&lock_path).map_err(unwritable(&lock_path))?;
+        let lock = File::create(&lock_path).map_err(FileError::write(&lock_path))?;
         match lock.try_lock() {
             Ok(()) => Ok(Self { path: path.to_owned(), _lock: lock }),
             Err(TryLockError::WouldBlock) => Err(RunDirError::InUse { path: path.to_owned() }),
-            Err(TryLockError::Error(error)) => Err(unwritable(&lock_path)(error).into()),
+            Err(TryLockError::Error(error)) => Err(FileError::write(&lock_path)(error).into()),
         }
     }
 
@@ -81,12 +81,7 @@ impl RunDir {
     /// Writes the settings; the file is complete or not there.
     pub fn write_config(&self, settings: &Settings) -> Result<(), RunDirError> {
         let path = self.path.join(CONFIG_FILE);
-        let new = path.with_extension("toml.new");
-        let text = settings::to_toml(settings)?;
-        File::create(&new)
-            .and_then(|mut file| file.write_all(text.as_bytes()).and_then(|()| file.sync_all()))
-            .and_then(|()| std::fs::rename(&new, &path))
-            .map_err(|source| WriteError { path, source })?;
+        files::replace(&path, settings::to_toml(settings)?.as_bytes())?;
         Ok(())
     }
 }
@@ -124,23 +119,8 @@ pub enum RunDirError {
     },
     /// The file system refused.
     #[error(transparent)]
-    Write(#[from] WriteError),
+    File(#[from] FileError),
     /// The settings cannot be written down.
     #[error(transparent)]
     Settings(#[from] SettingsError),
-}
-
-/// A file or folder cannot be written.
-#[derive(Debug, thiserror::Error)]
-#[error("cannot write `{}`", path.display())]
-pub struct WriteError {
-    /// Which one.
-    pub path: PathBuf,
-    /// What the file system said.
-    pub source: io::Error,
-}
-
-fn unwritable(path: &Path) -> impl FnOnce(io::Error) -> WriteError {
-    let path = path.to_owned();
-    move |source| WriteError { path, source }
 }

@@ -5,7 +5,7 @@ mod machine;
 mod metrics;
 pub mod settings;
 
-pub use folder::{CONFIG_FILE, METRICS_FILE, RunDir, RunDirError, WriteError, read_config};
+pub use folder::{CONFIG_FILE, METRICS_FILE, RunDir, RunDirError, read_config};
 pub use machine::Machine;
 pub use metrics::{MetricsError, MetricsFile};
 pub use settings::{Asked, Settings, SettingsError};

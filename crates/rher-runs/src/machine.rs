@@ -1,6 +1,6 @@
 //! What a run is made with: the program and the machine.
 
-use crate::folder::WriteError;
+use rher_core::files::{self, FileError};
 use serde::{Deserialize, Serialize};
 use std::num::NonZeroUsize;
 use std::path::Path;
@@ -41,9 +41,9 @@ impl Machine {
     }
 
     /// Keeps it with a run.
-    pub(crate) fn write(&self, folder: &Path) -> Result<(), WriteError> {
+    pub(crate) fn write(&self, folder: &Path) -> Result<(), FileError> {
         let path = folder.join(MACHINE_FILE);
         let text = toml::to_string(self).expect("text and a number can be written as TOML");
-        fs::write(&path, text).map_err(|source| WriteError { path, source })
+        files::replace(&path, text.as_bytes())
     }
 }

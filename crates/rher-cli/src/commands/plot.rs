@@ -2,10 +2,10 @@
 
 use crate::cli::PlotArgs;
 use crate::figure::Figure;
-use crate::output;
 use crate::printer::Printer;
 use crate::runs::read_groups;
 use anyhow::Context as _;
+use rher_core::files;
 
 pub(crate) fn plot(args: &PlotArgs, printer: Printer) -> anyhow::Result<()> {
     let groups = read_groups(&args.runs)?;
@@ -17,7 +17,7 @@ pub(crate) fn plot(args: &PlotArgs, printer: Printer) -> anyhow::Result<()> {
     } else {
         drawing.svg().into_bytes()
     };
-    output::write(&args.out, &file)?;
+    files::replace(&args.out, &file)?;
     printer.note(format_args!("curves  {}", args.out.display()));
     Ok(())
 }

@@ -7,13 +7,13 @@ use crate::cli::{Clock, Measure, ReportArgs};
 use crate::figure::Figure;
 use crate::film::{Film, SIZE};
 use crate::observe::{duration, percent, thousands};
-use crate::output;
 use crate::printer::Printer;
 use crate::runs::{Group, Run, RunError, read_groups};
 use crate::trained::Trained;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use comfy_table::Table;
+use rher_core::files;
 use rher_core::train::checkpoint::POLICY_FILE;
 use rher_runs::{CONFIG_FILE, Machine};
 use std::fmt::{self, Write as _};
@@ -74,7 +74,7 @@ pub(crate) fn report(args: &ReportArgs, printer: Printer) -> anyhow::Result<()> 
 
     page.element("h2", "Hardware");
     page.table("Programs and machines", &machines(&args.runs));
-    output::write(&args.out, page.finish(&titles.join(", ")).as_bytes())?;
+    files::replace(&args.out, page.finish(&titles.join(", ")).as_bytes())?;
     printer.note(format_args!("report  {}", args.out.display()));
     Ok(())
 }

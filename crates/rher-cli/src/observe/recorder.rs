@@ -2,8 +2,9 @@
 
 use rher_core::event::ObserverError;
 use rher_core::explore::ActionLog;
+use rher_core::files::FileError;
 use rher_envs::Simulated;
-use rher_record::{About, Player, RecordingFile, WriteError};
+use rher_record::{About, Player, RecordingFile};
 use rher_runs::RunDir;
 use std::num::NonZeroU64;
 use std::path::PathBuf;
@@ -47,7 +48,7 @@ impl<const N: usize, E: Simulated<N>> Recorder<E, N> {
     }
 
     /// Gives the recording its name; how many episodes are in it, and where it is.
-    pub(crate) fn finish(self) -> Result<Option<(u64, PathBuf)>, WriteError> {
+    pub(crate) fn finish(self) -> Result<Option<(u64, PathBuf)>, FileError> {
         self.file.map(|file| Ok((file.episodes(), file.finish()?))).transpose()
     }
 }

@@ -4,7 +4,7 @@
 //! checksum. The bytes are a `tensorflow.Event` in protocol buffers' wire format.
 
 use rher_core::event::Metrics;
-use rher_runs::WriteError;
+use rher_core::files::FileError;
 use serde_json::Value;
 use std::fs::File;
 use std::io::{self, Write as _};
@@ -27,13 +27,9 @@ pub(crate) struct EventFile {
 impl EventFile {
     /// A new file in a run folder, of training from `env_steps` on: `TensorBoard` forgets what
     /// earlier files say of later steps.
-    pub(crate) fn create(run: &Path, env_steps: u64) -> Result<Self, WriteError> {
+    pub(crate) fn create(run: &Path, env_steps: u64) -> Result<Self, FileError> {
         let folder = run.join(FOLDER);
-        let unwritable = |path: &Path| {
-            let path = path.to_owned();
-            move |source| WriteError { path, source }
-        };
-        std::fs::create_dir_all(&folder).map_err(unwritable(&folder))?;
+        std::fs::create_dir_all(&folder).map_err(FileError::write(&folder))?;
         // Files are read in the order of their names.
         let now = since_epoch();
         let name = |n: u32| format!("events.out.tfevents.{:010}.{n:03}.rher", now as u64);
@@ -43,7 +39,7 @@ impl EventFile {
         let Some((file, path)) = made.find(|(file, _)| !taken(file)) else {
             unreachable!("there is always another number")
         };
-        let file = file.map_err(unwritable(&path))?;
+        let file = file.map_err(FileError::write(&path))?;
         let mut events = Self { path, file };
         let mut version = Message::event(now, 0);
         version.bytes(3, VERSION.as_bytes());
@@ -57,7 +53,7 @@ impl EventFile {
     }
 
     /// Writes one event with every number of `metrics`.
-    pub(crate) fn append(&mut self, metrics: &Metrics) -> Result<(), WriteError> {
+    pub(crate) fn append(&mut self, metrics: &Metrics) -> Result<(), FileError> {
         let mut summary = Message::default();
         let value = serde_json::to_value(metrics).map_err(|error| self.failed(error.into()))?;
         each_number("", &value, &mut |tag, number| {
@@ -71,13 +67,13 @@ impl EventFile {
         self.write(&[event])
     }
 
-    fn write(&mut self, events: &[Message]) -> Result<(), WriteError> {
+    fn write(&mut self, events: &[Message]) -> Result<(), FileError> {
         let records: Vec<u8> = events.iter().flat_map(|Message(event)| record(event)).collect();
         self.file.write_all(&records).map_err(|source| self.failed(source))
     }
 
-    fn failed(&self, source: io::Error) -> WriteError {
-        WriteError { path: self.path.clone(), source }
+    fn failed(&self, source: io::Error) -> FileError {
+        FileError::write(&self.path)(source)
     }
 }
 

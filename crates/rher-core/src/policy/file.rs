@@ -1,6 +1,7 @@
 //! A trained policy on its own: what acts, what is saved, what is deployed.
 
 use crate::env::EnvSpec;
+use crate::files::{self, FileError};
 use crate::goal::{Achieved, Desired, EncodedGoal, Stage};
 use crate::input::InputEncoder;
 use crate::learner::infer::Inference;
@@ -64,15 +65,8 @@ struct Metadata {
 #[derive(Debug, thiserror::Error)]
 pub enum PolicyError {
     /// The file system refused.
-    #[error("cannot {verb} policy file `{}`", path.display())]
-    Io {
-        /// `read` or `write`.
-        verb: &'static str,
-        /// The file.
-        path: PathBuf,
-        /// What it said.
-        source: std::io::Error,
-    },
+    #[error(transparent)]
+    File(#[from] FileError),
     /// The file is not a policy of this version, or is damaged.
     #[error("`{}` is not a policy file of this program: {problem}", path.display())]
     Malformed {
@@ -162,20 +156,12 @@ impl Policy {
         let metadata = HashMap::from([(METADATA.to_owned(), description)]);
         let file = safetensors::serialize(tensors, Some(metadata))
             .map_err(|error| malformed(error.to_string()))?;
-        crate::files::replace(path, &file).map_err(|source| PolicyError::Io {
-            verb: "write",
-            path: path.into(),
-            source,
-        })
+        Ok(files::replace(path, &file)?)
     }
 
     /// Reads a policy from a file.
     pub fn load(path: &Path) -> Result<Self, PolicyError> {
-        let file = std::fs::read(path).map_err(|source| PolicyError::Io {
-            verb: "read",
-            path: path.into(),
-            source,
-        })?;
+        let file = std::fs::read(path).map_err(FileError::read(path))?;
         let malformed = |problem: String| PolicyError::Malformed { path: path.to_owned(), problem };
         let (_, header) =
             SafeTensors::read_metadata(&file).map_err(|error| malformed(error.to_string()))?;

@@ -16,7 +16,7 @@ use super::state::RunState;
 use crate::config::TrainConfig;
 use crate::env::EnvSpec;
 use crate::episode::Episode;
-use crate::files;
+use crate::files::{self, FileError};
 use crate::goal::{Achieved, Desired, Position, Scene};
 use crate::learner::state::{LearnerState, Trained};
 use crate::policy::Critic;
@@ -42,15 +42,8 @@ const EPISODES_PER_FILE: u64 = 1000;
 #[derive(Debug, thiserror::Error)]
 pub enum CheckpointError {
     /// The file system refused.
-    #[error("cannot {verb} `{}`", path.display())]
-    Io {
-        /// `read` or `write`.
-        verb: &'static str,
-        /// The file or folder.
-        path: PathBuf,
-        /// What it said.
-        source: io::Error,
-    },
+    #[error(transparent)]
+    File(#[from] FileError),
     /// There is no checkpoint.
     #[error("there is no checkpoint in `{}`", folder.display())]
     Missing {
@@ -117,12 +110,12 @@ pub(super) fn write<const N: usize>(
     saved_episodes: u64,
 ) -> Result<(), CheckpointError> {
     let folder = folder.join(CHECKPOINT_FOLDER);
-    std::fs::create_dir_all(&folder).map_err(failed("write", &folder))?;
+    std::fs::create_dir_all(&folder).map_err(FileError::write(&folder))?;
     append_episodes(&folder, replay, saved_episodes)?;
 
     let current = folder.join(CURRENT);
     let payload = postcard::to_stdvec(&(state, learner))
-        .map_err(|error| failed("write", &current)(io::Error::other(error)))?;
+        .map_err(|error| FileError::write(&current)(io::Error::other(error)))?;
     let mut bytes = Vec::with_capacity(HEADER + payload.len());
     bytes.extend(MAGIC);
     bytes.extend(VERSION.to_le_bytes());
@@ -132,12 +125,12 @@ pub(super) fn write<const N: usize>(
 
     // The new state is whole on disk before the good one moves aside.
     let next = folder.join("next.ckpt");
-    files::replace(&next, &bytes).map_err(failed("write", &next))?;
+    files::replace(&next, &bytes)?;
     if current.exists() {
-        std::fs::rename(&current, folder.join(PREVIOUS)).map_err(failed("write", &current))?;
+        std::fs::rename(&current, folder.join(PREVIOUS)).map_err(FileError::write(&current))?;
     }
-    std::fs::rename(&next, &current).map_err(failed("write", &current))?;
-    files::sync_folder(&folder).map_err(failed("write", &folder))?;
+    std::fs::rename(&next, &current).map_err(FileError::write(&current))?;
+    files::sync_folder(&folder)?;
     drop_old_files(&folder, saved_episodes, replay.capacity() as u64)
 }
 
@@ -158,7 +151,7 @@ pub(super) fn read_state(folder: &Path) -> Result<(RunState, LearnerState), Chec
 }
 
 fn parse_state(path: &Path) -> Result<(RunState, LearnerState), CheckpointError> {
-    let bytes = std::fs::read(path).map_err(failed("read", path))?;
+    let bytes = std::fs::read(path).map_err(FileError::read(path))?;
     let damaged = |problem: String| CheckpointError::Damaged {
         path: path.to_owned(),
         problem,
@@ -231,7 +224,7 @@ pub(super) fn read_replay<const N: usize>(
         let file = match &mut open {
             Some((opened, file)) if *opened == part => file,
             slot => {
-                let file = File::open(&path).map_err(failed("read", &path))?;
+                let file = File::open(&path).map_err(FileError::read(&path))?;
                 &mut slot.insert((part, file)).1
             }
         };
@@ -264,21 +257,21 @@ fn append_episodes<const N: usize>(
         let part = index / EPISODES_PER_FILE;
         if open.as_ref().is_none_or(|(opened, ..)| *opened != part) {
             if let Some((_, path, file)) = open.take() {
-                file.sync_all().map_err(failed("write", &path))?;
+                file.sync_all().map_err(FileError::write(&path))?;
             }
             let path = episodes_file(folder, part);
             let file = OpenOptions::new().write(true).create(true).truncate(false).open(&path);
-            open = Some((part, path.clone(), file.map_err(failed("write", &path))?));
+            open = Some((part, path.clone(), file.map_err(FileError::write(&path))?));
         }
         if let Some((_, path, file)) = &mut open {
             encode(index, &episode, &mut record);
             file.seek(SeekFrom::Start((index % EPISODES_PER_FILE) * record.len() as u64))
                 .and_then(|_| file.write_all(&record))
-                .map_err(failed("write", path))?;
+                .map_err(FileError::write(path))?;
         }
     }
     match open {
-        Some((_, path, file)) => file.sync_all().map_err(failed("write", &path)),
+        Some((_, path, file)) => Ok(file.sync_all().map_err(FileError::write(&path))?),
         None => Ok(()),
     }
 }
@@ -295,7 +288,7 @@ fn drop_old_files(
         match std::fs::remove_file(&path) {
             Ok(()) => {}
             Err(error) if error.kind() == io::ErrorKind::NotFound => break,
-            Err(error) => return Err(failed("write", &path)(error)),
+            Err(error) => return Err(FileError::write(&path)(error).into()),
         }
     }
     Ok(())
@@ -303,11 +296,6 @@ fn drop_old_files(
 
 fn episodes_file(folder: &Path, part: u64) -> PathBuf {
     folder.join(format!("replay-{part:06}.episodes"))
-}
-
-fn failed(verb: &'static str, path: &Path) -> impl FnOnce(io::Error) -> CheckpointError {
-    let path = path.to_owned();
-    move |source| CheckpointError::Io { verb, path, source }
 }
 
 /// Widths that fix the length of a record.

@@ -9,6 +9,7 @@ pub use minari::minari;
 
 use crate::message::{Action, Begin, Frame, Message, Place, Timed};
 use crate::{About, Recorded};
+use rher_core::files::FileError;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -43,13 +44,8 @@ pub enum ExportError {
         path: PathBuf,
     },
     /// The file system refused.
-    #[error("cannot write `{}`", path.display())]
-    Io {
-        /// What cannot be written.
-        path: PathBuf,
-        /// What the system said.
-        source: io::Error,
-    },
+    #[error(transparent)]
+    File(#[from] FileError),
     /// A table could not be put together.
     #[error("cannot write a table of `{}`", path.display())]
     Table {
@@ -126,7 +122,7 @@ fn whole_folder(
         return Err(ExportError::Exists { path: path.to_owned() });
     }
     let part = path.with_added_extension("part");
-    let failed = |source| ExportError::Io { path: path.to_owned(), source };
+    let failed = |source| ExportError::from(FileError::write(path)(source));
     // What a killed export left behind.
     match std::fs::remove_dir_all(&part) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(failed(error)),
@@ -139,7 +135,7 @@ fn whole_folder(
 }
 
 fn write(path: &Path, bytes: &[u8]) -> Result<(), ExportError> {
-    let failed = |source| ExportError::Io { path: path.to_owned(), source };
+    let failed = |source| ExportError::from(FileError::write(path)(source));
     if let Some(folder) = path.parent() {
         std::fs::create_dir_all(folder).map_err(failed)?;
     }
