@@ -276,7 +276,5 @@ fn mastered_is_above_the_threshold_and_not_at_it() {
     0.50 0.50 0.50 0.50 -> 0.500 0.500 0.500 0.500, guide 1
     0.51 0.51 0.51 0.51 -> 0.510 0.510 0.510 0.510, guide 4
     ");
-    assert_snapshot!(history(1.0, 1, &[all(1.0)]), @r"
-    1.00 1.00 1.00 1.00 -> 1.000 1.000 1.000 1.000, guide 1
-    ");
+    assert_snapshot!(history(1.0, 1, &[all(1.0)]), @"1.00 1.00 1.00 1.00 -> 1.000 1.000 1.000 1.000, guide 1");
 }

@@ -7,10 +7,14 @@
 mod causes;
 #[cfg(feature = "train")]
 mod checkpoints;
+mod draws;
+mod evaluation;
 mod exploration;
 mod goals;
 #[cfg(feature = "train")]
 mod policies;
 mod relabelling;
 mod replays;
+mod spelled_out;
 mod toy;
+mod training;

@@ -1,0 +1,186 @@
+//! The trainer against its own loop, spelled out: what is played, stored, drawn, learned and
+//! evaluated, and from which random stream.
+
+use crate::toy::{Lines, Magnet, small};
+use rand::RngExt as _;
+use rand_distr::StandardNormal;
+use rher_core::batch::Batch;
+use rher_core::config::{BatchMode, Method, TargetEvery, TrainConfig};
+use rher_core::env::Env as _;
+use rher_core::episode::{Episode, rollout};
+use rher_core::evaluate::{Evaluation, evaluate};
+use rher_core::explore::{ActionSource, Curriculum, Explorer};
+use rher_core::goal::Stage;
+use rher_core::input::InputEncoder;
+use rher_core::learner::engine;
+use rher_core::learner::state::LearnerState;
+use rher_core::policy::{Policy, PolicyInfo};
+use rher_core::relabel::Relabeler;
+use rher_core::replay::Replay;
+use rher_core::seed::{Purpose, Seed};
+use rher_core::train::Trainer;
+use std::sync::atomic::AtomicBool;
+
+/// Eq. 10: random actions are kept for a while, and all others get noise.
+fn explore(
+    config: &TrainConfig,
+    policy: &Policy,
+    curriculum: &Curriculum,
+    number: u64,
+) -> Episode<2> {
+    let mut env = Magnet::<2>::new();
+    let spec = env.spec().clone();
+    let explorer = Explorer::<2>::new(config, spec.subtasks, curriculum);
+    let seed = Seed(config.seed);
+    let mut rng = seed.stream(Purpose::Exploration, number);
+    let mut actor = policy.actor();
+    let mut kept: Option<Vec<f32>> = None;
+    let env_seed = seed.episode(Purpose::Environment, number);
+    rollout(&mut env, env_seed, |view, action| {
+        // Training asks for a share of the tolerances, and so do the stages in it.
+        let tolerances = config.relay.tolerances(&spec);
+        let reach = config.relay.reach_distance;
+        let stage = Stage::of(view.achieved, view.desired, &tolerances, reach);
+        if let Some(kept) = &kept
+            && explorer.keeps_random(&mut rng)
+        {
+            action.copy_from_slice(kept);
+            return;
+        }
+        let selection = explorer.draw(stage, &mut rng);
+        if selection.source == ActionSource::Random {
+            action.fill_with(|| rng.random_range(-1.0..=1.0));
+            kept = Some(action.to_vec());
+            return;
+        }
+        kept = None;
+        actor.act(selection.stage, view.observation, view.achieved, view.desired, action);
+        for number in action {
+            let draw: f32 = rng.sample(StandardNormal);
+            *number = (*number + explorer.noise(selection.stage) * draw).clamp(-1.0, 1.0);
+        }
+    })
+    .unwrap()
+}
+
+/// A whole run, and what its evaluations found.
+fn spelled_out(config: &TrainConfig) -> (Policy, Vec<Evaluation>) {
+    let spec = Magnet::<2>::new().spec().clone();
+    let untrained = if config.relay.method == Method::Her { spec.subtasks - 1 } else { 0 };
+    let stages: Vec<Stage<2>> = Stage::all().skip(untrained).collect();
+    let info = PolicyInfo {
+        task: spec.name.clone(),
+        variant: spec.variant.clone(),
+        objects: 2,
+        subtasks: spec.subtasks,
+        untrained,
+        obs_dim: spec.obs_dim,
+        action_dim: spec.action_dim,
+        reach_distance: config.relay.reach_distance,
+    };
+    let seed = Seed(config.seed);
+    let mut encoder = InputEncoder::new(&config.relay, &spec);
+    let (input_dim, action_dim) = (encoder.width(), spec.action_dim);
+    let mut rng = seed.stream(Purpose::Init, 0);
+    let learner = LearnerState::new(&config.agent, input_dim, action_dim, &mut rng);
+    let shape = learner.actor.shape.clone();
+    let mut engine = engine(&config.agent, learner);
+    let mut relabeler = Relabeler::new(&config.relay, &spec);
+    let mut replay = Replay::new(&spec, config.replay.capacity);
+    let mut curriculum = Curriculum::new(&config.exploration, spec.subtasks);
+    let mut policy =
+        Policy::new(info.clone(), encoder.clone(), shape.clone(), engine.actor().to_vec());
+    let (mut episodes, mut updates, mut evaluations) = (0, 0, Vec::new());
+    let envs = config.envs as u64;
+    while episodes * (spec.episode_steps as u64) < config.env_steps {
+        // Episodes that are played side by side are played by the same policy.
+        let played: Vec<Episode<2>> =
+            (0..envs).map(|env| explore(config, &policy, &curriculum, episodes + env)).collect();
+        for episode in &played {
+            let mut rng = seed.stream(Purpose::Statistics, episodes);
+            relabeler.observe(episode, &stages, &mut encoder, &mut rng);
+            replay.push(episode);
+            episodes += 1;
+        }
+        if episodes > config.replay.warmup_episodes {
+            let together: Vec<&[Stage<2>]> = match config.replay.batch_mode {
+                BatchMode::Joint => vec![&stages[..]],
+                BatchMode::Separate => stages.chunks(1).collect(),
+            };
+            for _ in 0..envs * config.replay.updates_per_episode as u64 {
+                for stages in &together {
+                    let size = config.replay.batch_size;
+                    let mut batch = Batch::zeros(size * stages.len(), input_dim, action_dim);
+                    let mut rng = seed.stream(Purpose::Batch, updates);
+                    for (index, stage) in stages.iter().enumerate() {
+                        let rows = index * size..(index + 1) * size;
+                        relabeler.draw(&replay, &encoder, *stage, &mut batch, rows, &mut rng);
+                    }
+                    let mut noise = vec![0.0; batch.rows() * action_dim];
+                    noise.fill_with(|| rng.sample(StandardNormal));
+                    engine.update(&batch, &noise).unwrap();
+                    updates += 1;
+                }
+            }
+            if config.agent.target_every == TargetEvery::Episode {
+                engine.move_targets();
+            }
+            let actor = engine.actor().to_vec();
+            policy = Policy::new(info.clone(), encoder.clone(), shape.clone(), actor);
+        }
+        if episodes.is_multiple_of(config.evaluation.every_episodes) {
+            let test_policy = config.exploration.test_policy;
+            let found =
+                evaluate(&mut [Magnet::<2>::new()], &policy, &config.evaluation, test_policy);
+            evaluations.push(found.unwrap());
+            curriculum.record(&evaluations[evaluations.len() - 1].success);
+        }
+    }
+    (policy, evaluations)
+}
+
+#[test]
+fn a_run_is_its_loop_spelled_out() {
+    let mut config = small("magnet", 2);
+    config.agent.hidden = vec![8];
+    config.agent.critics = 2;
+    config.agent.policy_delay = 2;
+    config.agent.target_noise = 0.2;
+    config.relay.tolerance = 0.5;
+    config.relay.reach_distance = 0.09;
+    config.exploration.random_steps = 3.0;
+    config.exploration.adjust_to_success = true;
+    config.exploration.success_threshold = 0.2;
+    config.exploration.window = 2;
+    config.replay.focus = 0.0;
+    config.replay.batch_size = 8;
+    config.replay.updates_per_episode = 3;
+    config.replay.warmup_episodes = 4;
+    // Few enough that the oldest make room.
+    config.replay.capacity = 10 * 25;
+    config.evaluation.every_episodes = 6;
+    config.evaluation.episodes = 4;
+    config.evaluation.subtask_episodes = 5;
+    config.env_steps = 18 * 25;
+    for (batch_mode, target_every, method, envs) in [
+        (BatchMode::Joint, TargetEvery::Update, Method::Rher, 1),
+        (BatchMode::Separate, TargetEvery::Episode, Method::Rher, 3),
+        (BatchMode::Joint, TargetEvery::Episode, Method::Her, 2),
+    ] {
+        let mut config = config.clone();
+        (config.replay.batch_mode, config.agent.target_every) = (batch_mode, target_every);
+        (config.relay.method, config.envs) = (method, envs);
+        let (policy, evaluations) = spelled_out(&config);
+        let worlds = (0..envs).map(|_| Magnet::<2>::new()).collect();
+        let mut lines = Lines::default();
+        let mut trainer = Trainer::new(config, worlds, 1).unwrap();
+        trainer.run(None, &mut lines, &AtomicBool::new(false)).unwrap();
+        let found: Vec<_> = lines.0.iter().map(|line| line.success.clone()).collect();
+        let expected: Vec<_> = evaluations.iter().map(|found| found.success.clone()).collect();
+        assert_eq!(found, expected);
+        assert!(
+            *trainer.policy() == policy,
+            "{batch_mode:?}, targets with every {target_every:?}, {method:?}, {envs} environments"
+        );
+    }
+}
