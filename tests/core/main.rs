@@ -8,6 +8,7 @@ mod causes;
 #[cfg(feature = "train")]
 mod checkpoints;
 mod draws;
+#[cfg(feature = "train")]
 mod evaluation;
 mod exploration;
 mod goals;
@@ -15,6 +16,8 @@ mod goals;
 mod policies;
 mod relabelling;
 mod replays;
+#[cfg(feature = "train")]
 mod spelled_out;
 mod toy;
+#[cfg(feature = "train")]
 mod training;

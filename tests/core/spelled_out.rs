@@ -12,7 +12,7 @@ use rher_core::evaluate::{Evaluation, evaluate};
 use rher_core::explore::{ActionSource, Curriculum, Explorer};
 use rher_core::goal::Stage;
 use rher_core::input::InputEncoder;
-use rher_core::learner::engine;
+use rher_core::learner::engine::build;
 use rher_core::learner::state::LearnerState;
 use rher_core::policy::{Policy, PolicyInfo};
 use rher_core::relabel::Relabeler;
@@ -84,12 +84,11 @@ fn spelled_out(config: &TrainConfig) -> (Policy, Vec<Evaluation>) {
     let mut rng = seed.stream(Purpose::Init, 0);
     let learner = LearnerState::new(&config.agent, input_dim, action_dim, &mut rng);
     let shape = learner.actor.shape.clone();
-    let mut engine = engine(&config.agent, learner);
+    let mut engine = build(&config.agent, learner).unwrap();
     let mut relabeler = Relabeler::new(&config.relay, &spec);
     let mut replay = Replay::new(&spec, config.replay.capacity);
     let mut curriculum = Curriculum::new(&config.exploration, spec.subtasks);
-    let mut policy =
-        Policy::new(info.clone(), encoder.clone(), shape.clone(), engine.actor().to_vec());
+    let mut policy = Policy::new(info.clone(), encoder.clone(), shape.clone(), engine.actor());
     let (mut episodes, mut updates, mut evaluations) = (0, 0, Vec::new());
     let envs = config.envs as u64;
     while episodes * (spec.episode_steps as u64) < config.env_steps {
@@ -125,7 +124,7 @@ fn spelled_out(config: &TrainConfig) -> (Policy, Vec<Evaluation>) {
             if config.agent.target_every == TargetEvery::Episode {
                 engine.move_targets();
             }
-            let actor = engine.actor().to_vec();
+            let actor = engine.actor();
             policy = Policy::new(info.clone(), encoder.clone(), shape.clone(), actor);
         }
         if episodes.is_multiple_of(config.evaluation.every_episodes) {
