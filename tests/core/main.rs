@@ -7,7 +7,9 @@
 mod causes;
 #[cfg(feature = "train")]
 mod checkpoints;
+mod control;
 mod draws;
+mod environments;
 #[cfg(feature = "train")]
 mod evaluation;
 mod exploration;

@@ -1,14 +1,14 @@
 //! Policy files.
 
 use crate::toy::{Lines, Magnet, small};
-use rher_core::env::Env as _;
-use rher_core::episode::rollout;
-use rher_core::goal::Stage;
+use rher_core::env::{Env as _, EnvSpec};
+use rher_core::episode::{ActError, rollout};
+use rher_core::goal::{Achieved, Desired, Position, Scene};
 use rher_core::policy::{Policy, PolicyError};
 use rher_core::train::Trainer;
 use std::sync::atomic::AtomicBool;
 
-fn trained() -> Policy {
+pub(crate) fn trained() -> Policy {
     let mut config = small("magnet", 1);
     config.env_steps = 250;
     let mut trainer = Trainer::new(config, vec![Magnet::<1>::new()], 1).unwrap();
@@ -26,15 +26,14 @@ fn a_policy_file_acts_as_the_policy_that_was_saved() {
     assert_eq!(loaded, policy);
     assert_eq!(loaded.info().task, "magnet");
     let act = |policy: &Policy| {
-        let mut actor = policy.actor();
-        let last = Stage::all().last().unwrap();
-        rollout(&mut Magnet::<1>::new(), 3, |view, action| {
-            actor.act(last, view.observation, view.achieved, view.desired, action);
+        let mut env = Magnet::<1>::new();
+        let mut actor = policy.actor(env.spec()).unwrap();
+        rollout(&mut env, 3, |view, action| {
+            actor.act(actor.task(), view.observation, view.achieved, view.desired, action)
         })
         .unwrap()
     };
     assert_eq!(act(&policy), act(&loaded));
-    assert!(loaded.check(Magnet::<2>::new().spec()).is_err());
 }
 
 #[test]
@@ -50,4 +49,49 @@ fn a_damaged_policy_file_is_refused() {
     }
     std::fs::remove_file(&path).unwrap();
     assert!(matches!(Policy::load(&path), Err(PolicyError::File(_))));
+}
+
+#[test]
+fn an_actor_for_another_scene_is_refused() {
+    let policy = trained();
+    let refused = |error: rher_core::policy::Mismatch| error.to_string();
+    let fits = EnvSpec::<1>::new("arm", 4, 3, 25);
+    assert!(policy.actor(&fits).is_ok());
+    let two = policy.actor(&EnvSpec::<2>::new("arm", 4, 3, 25)).map(drop);
+    assert_eq!(
+        two.map_err(refused).unwrap_err(),
+        "the policy does not fit the environment: objects is 1 in the policy and 2 in the environment"
+    );
+    let wide = policy.actor(&EnvSpec::<1>::new("arm", 5, 3, 25)).map(drop);
+    assert!(wide.map_err(refused).unwrap_err().contains("obs_dim is 4 in the policy and 5"));
+    let other_hand = policy.actor(&EnvSpec::<1>::new("arm", 4, 2, 25)).map(drop);
+    assert!(other_hand.map_err(refused).unwrap_err().contains("action_dim is 3"));
+}
+
+#[test]
+fn an_actor_refuses_what_is_not_finite_or_of_another_length() {
+    let policy = trained();
+    let mut actor = policy.actor(&EnvSpec::<1>::new("arm", 4, 3, 25)).unwrap();
+    let here = Position::new(0.1, 0.2, 0.0);
+    let scene = Achieved(Scene { gripper: here, objects: [here] });
+    let desired = Desired::of_task([Position::origin()]);
+    let mut action = [0.0; 3];
+    let mut act = |observation: &[f32], scene: &Achieved<1>, desired: &Desired<1>, width: usize| {
+        actor.act(actor.task(), observation, scene, desired, &mut action[..width])
+    };
+    assert_eq!(act(&[0.0; 4], &scene, &desired, 3), Ok(()));
+    let length = |field, expected, given| Err(ActError::Length { field, expected, given });
+    assert_eq!(act(&[0.0; 3], &scene, &desired, 3), length("observation", 4, 3));
+    assert_eq!(act(&[0.0; 9], &scene, &desired, 3), length("observation", 4, 9));
+    assert_eq!(act(&[0.0; 4], &scene, &desired, 2), length("action", 3, 2));
+    let said = |result: Result<(), ActError>| result.unwrap_err().to_string();
+    assert_eq!(
+        said(act(&[0.0, 0.0, f32::NAN, 0.0], &scene, &desired, 3)),
+        "number 2 of `observation` is NaN, expected a finite number"
+    );
+    let mut lost = scene;
+    lost.0.objects[0].y = f32::INFINITY;
+    assert!(said(act(&[0.0; 4], &lost, &desired, 3)).contains("number 4 of `achieved` is inf"));
+    let nowhere = Desired::of_task([Position::new(0.0, f32::NAN, 0.0)]);
+    assert!(said(act(&[0.0; 4], &scene, &nowhere, 3)).contains("number 1 of `desired` is NaN"));
 }

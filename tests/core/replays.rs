@@ -10,7 +10,15 @@ use std::convert::Infallible;
 
 fn episodes(count: u64) -> Vec<Episode<1>> {
     let mut env = Magnet::<1>::new();
-    (0..count).map(|seed| rollout(&mut env, seed, |_, action| action.fill(0.5)).unwrap()).collect()
+    (0..count)
+        .map(|seed| {
+            rollout(&mut env, seed, |_, action| {
+                action.fill(0.5);
+                Ok(())
+            })
+            .unwrap()
+        })
+        .collect()
 }
 
 #[test]
@@ -78,7 +86,7 @@ fn a_place_that_is_not_a_number_is_named() {
             achieved
         }
     }
-    let error = rollout(&mut Broken(Magnet::new()), 7, |_, _| {}).unwrap_err();
+    let error = rollout(&mut Broken(Magnet::new()), 7, |_, _| Ok(())).unwrap_err();
     assert_eq!(
         error.to_string(),
         "the environment returned NaN in observation[3] at step 1 of the episode with seed 7, \

@@ -33,7 +33,7 @@ fn explore(
     let explorer = Explorer::<2>::new(config, spec.subtasks, curriculum);
     let seed = Seed(config.seed);
     let mut rng = seed.stream(Purpose::Exploration, number);
-    let mut actor = policy.actor();
+    let mut actor = policy.actor(env.spec()).unwrap();
     let mut kept: Option<Vec<f32>> = None;
     let env_seed = seed.episode(Purpose::Environment, number);
     rollout(&mut env, env_seed, |view, action| {
@@ -45,20 +45,21 @@ fn explore(
             && explorer.keeps_random(&mut rng)
         {
             action.copy_from_slice(kept);
-            return;
+            return Ok(());
         }
         let selection = explorer.draw(stage, &mut rng);
         if selection.source == ActionSource::Random {
             action.fill_with(|| rng.random_range(-1.0..=1.0));
             kept = Some(action.to_vec());
-            return;
+            return Ok(());
         }
         kept = None;
-        actor.act(selection.stage, view.observation, view.achieved, view.desired, action);
+        actor.act(selection.stage, view.observation, view.achieved, view.desired, action)?;
         for number in action {
             let draw: f32 = rng.sample(StandardNormal);
             *number = (*number + explorer.noise(selection.stage) * draw).clamp(-1.0, 1.0);
         }
+        Ok(())
     })
     .unwrap()
 }

@@ -54,10 +54,10 @@ impl EnvVisitor for Soak {
             let episode = rollout(&mut env, soaked.episodes, |_, action| {
                 let width = action.len();
                 action.copy_from_slice(&random_action(&mut rng)[..width]);
+                Ok(())
             })
             .unwrap();
             assert_eq!(episode.achieved.len(), length + 1);
-            assert_eq!(episode.clipped(), 0);
             for frames in episode.achieved.windows(2) {
                 let pairs = frames[0].0.objects.iter().zip(&frames[1].0.objects);
                 let speeds = pairs.map(|(before, after)| (after - before).norm() / 0.04);

@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
 use rher_core::env::Start;
-use rher_core::goal::{Achieved, Desired, EncodedGoal, Position, Scene, Stage};
+use rher_core::goal::{Achieved, Desired, EncodedGoal, Position, Scene};
 use rher_envs::tasks::{Pick, Push};
 use rher_envs::{ACTION_WIDTH, Layout, OptionValue, Options, Simulated, Simulation, Task};
 
@@ -139,7 +139,7 @@ pub(crate) fn is_met<const N: usize>(
     achieved: Achieved<N>,
     desired: &Desired<N>,
 ) -> bool {
-    let last = Stage::from_index(env.spec().subtasks - 1).unwrap();
+    let last = env.spec().last_stage();
     EncodedGoal::new(last, &achieved, desired).is_met(&achieved, &env.spec().tolerances)
 }
 

@@ -145,24 +145,25 @@ impl Report {
                 let of_file = error.downcast_ref().and_then(Self::of_file);
                 of_file.or_else(|| error.downcast_ref().map(Self::of_play))
             }
-            TrainError::TooFewEnvs { .. } | TrainError::Threads { .. } => None,
+            _ => None,
         }
     }
 
     fn of_evaluate(error: &EvaluateError) -> Option<Self> {
         match error {
             EvaluateError::Rollout(error) => Some(Self::of_rollout(error)),
-            EvaluateError::Mismatch(_) => None,
+            _ => None,
         }
     }
 
     fn of_rollout(error: &RolloutError) -> Self {
         match error {
-            RolloutError::Env { .. } => Self { status: Status::Environment, hint: None },
             RolloutError::NotFinite { .. } => Self::new(
                 Status::NotFinite,
                 "the environment is at fault, not the learner; the seed above repeats its episode",
             ),
+            RolloutError::Act { .. } => Self { status: Status::NotFinite, hint: None },
+            _ => Self { status: Status::Environment, hint: None },
         }
     }
 

@@ -1,19 +1,34 @@
 //! What the method needs to know about an environment.
 
-use crate::goal::{Achieved, Desired, Position, Tolerances};
-use serde::{Deserialize, Serialize};
+use crate::goal::{Achieved, Desired, Stage, Tolerances};
+
+pub use crate::symmetry::{Mirror, Permutation, SignedIndex};
 
 /// What holds for the life of an environment.
+///
+/// ```
+/// use rher_core::{EnvSpec, Tolerances};
+///
+/// // One object, 10 numbers observed, 4 numbers in an action, episodes of 50 steps.
+/// let mut spec = EnvSpec::<1>::new("push", 10, 4, 50);
+/// spec.tolerances = Tolerances::uniform(0.02);
+/// assert!(spec.validate().is_ok());
+/// spec.subtasks = 3;
+/// assert_eq!(
+///     spec.validate().unwrap_err().to_string(),
+///     "the environment `push` has `subtasks` = 3, expected 1 to 2, twice its objects"
+/// );
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct EnvSpec<const N: usize> {
-    /// Name under which runs and policies remember it.
+    /// Name that runs and policies keep.
     pub name: String,
-    /// Settings that it was made with, in the words of whoever makes it; runs and policies remember
-    /// them. Empty where there are none.
+    /// Settings that it was made with, in any form; runs and policies keep them. Empty where there
+    /// are none.
     pub variant: String,
-    /// Numbers in an observation.
+    /// Length of an observation.
     pub obs_dim: usize,
-    /// Numbers in an action; each is in [−1, 1].
+    /// Length of an action; each of its numbers is in [−1, 1].
     pub action_dim: usize,
     /// Steps of every episode, the paper's T; episodes never end early.
     pub episode_steps: usize,
@@ -42,82 +57,78 @@ impl<const N: usize> EnvSpec<N> {
             permutations: Vec::new(),
         }
     }
-}
 
-/// A plane of symmetry, perpendicular to one world axis: every episode has a mirror image that
-/// obeys the same physics.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Mirror {
-    /// The world axis that is flipped: 0, 1 or 2.
-    pub axis: usize,
-    /// Where the plane crosses that axis, in metres.
-    pub centre: f32,
-    /// One entry for each number of an observation.
-    pub observation: Vec<SignedIndex>,
-    /// One entry for each number of an action.
-    pub action: Vec<SignedIndex>,
-}
-
-/// Objects that are alike in another order: every episode in which they change names obeys the
-/// same physics. Actions are as they were.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Permutation<const N: usize> {
-    /// For each place in the order, which object comes there.
-    pub order: [usize; N],
-    /// One entry for each number of an observation.
-    pub observation: Vec<SignedIndex>,
-}
-
-/// One number of a vector's image under a symmetry: `sign * original[from] + offset`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct SignedIndex {
-    /// Index in the original vector.
-    pub from: usize,
-    /// 1 or −1.
-    pub sign: f32,
-    /// Twice the mirror's place for a coordinate along the flipped axis, 0 for all else.
-    pub offset: f32,
-}
-
-impl Mirror {
-    /// The mirror image of a point.
-    #[must_use]
-    #[inline]
-    pub fn position(&self, position: Position) -> Position {
-        let mut mirrored = position;
-        mirrored[self.axis] = 2.0 * self.centre - position[self.axis];
-        mirrored
+    /// The stage that ends the task; its sub-task is the whole task.
+    ///
+    /// # Panics
+    ///
+    /// If `subtasks` is not in 1..=2N, which [`EnvSpec::validate`] refuses.
+    pub fn last_stage(&self) -> Stage<N> {
+        let last = self.subtasks.checked_sub(1).and_then(Stage::from_index);
+        last.expect("a valid specification has 1 to 2N sub-tasks")
     }
-}
 
-impl SignedIndex {
-    /// The images under one symmetry and then another; no entries are no change.
-    pub(crate) fn then(first: &[Self], second: &[Self]) -> Vec<Self> {
-        let both = |second: &Self| match first.get(second.from) {
-            None => *second,
-            Some(Self { from, sign, offset }) => Self {
-                from: *from,
-                sign: second.sign * sign,
-                offset: second.sign * offset + second.offset,
-            },
+    /// Checks everything that the types do not.
+    ///
+    /// # Errors
+    ///
+    /// Names the first field that is wrong, with its value and with what was expected.
+    pub fn validate(&self) -> Result<(), SpecError> {
+        let wrong = |field: String, found: String, expected: String| {
+            Err(SpecError { name: self.name.clone(), field, found, expected })
         };
-        second.iter().map(both).collect()
-    }
-
-    /// This number of the image of `original`.
-    #[inline]
-    pub fn of(&self, original: &[f32]) -> f32 {
-        self.sign * original[self.from] + self.offset
-    }
-
-    /// Writes the image of `original` to `image`; all three are equally long.
-    #[inline]
-    pub fn apply(images: &[Self], original: &[f32], image: &mut [f32]) {
-        debug_assert!(images.len() == original.len() && original.len() == image.len());
-        for (out, number) in image.iter_mut().zip(images) {
-            *out = number.of(original);
+        let dimensions = [
+            ("obs_dim", self.obs_dim),
+            ("action_dim", self.action_dim),
+            ("episode_steps", self.episode_steps),
+        ];
+        if let Some((field, found)) = dimensions.into_iter().find(|(_, found)| *found == 0) {
+            return wrong(field.to_owned(), found.to_string(), "at least 1".to_owned());
         }
+        if !(1..=2 * N).contains(&self.subtasks) {
+            let expected = format!("1 to {}, twice its objects", 2 * N);
+            return wrong("subtasks".to_owned(), self.subtasks.to_string(), expected);
+        }
+        for (slot, tolerance) in self.tolerances.by_slot().enumerate() {
+            if !(tolerance.is_finite() && tolerance >= 0.0) {
+                let field = match slot {
+                    0 => "tolerances.gripper".to_owned(),
+                    object => format!("tolerances.objects[{}]", object - 1),
+                };
+                return wrong(
+                    field,
+                    tolerance.to_string(),
+                    "a number of metres, at least 0".into(),
+                );
+            }
+        }
+        for (index, mirror) in self.mirrors.iter().enumerate() {
+            if let Err(problem) = mirror.check(self.obs_dim, self.action_dim) {
+                return wrong(format!("mirrors[{index}]"), problem.found, problem.expected);
+            }
+        }
+        for (index, permutation) in self.permutations.iter().enumerate() {
+            if let Err(problem) = permutation.check(self.obs_dim) {
+                return wrong(format!("permutations[{index}]"), problem.found, problem.expected);
+            }
+        }
+        Ok(())
     }
+}
+
+/// The specification of an environment is wrong.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the environment `{name}` has `{field}` = {found}, expected {expected}")]
+#[non_exhaustive]
+pub struct SpecError {
+    /// Name of the environment.
+    pub name: String,
+    /// Such as `subtasks` or `mirrors[0]`.
+    pub field: String,
+    /// Its value, or what is wrong in it.
+    pub found: String,
+    /// What it may be.
+    pub expected: String,
 }
 
 /// An environment could not be reset or stepped.
@@ -150,18 +161,31 @@ pub trait Env<const N: usize>: Send {
     /// Widths and limits.
     fn spec(&self) -> &EnvSpec<N>;
 
-    /// Starts the episode that belongs to `seed` and writes its first observation.
+    /// Starts the episode of `seed` and writes its first observation, `[obs_dim]`.
     ///
-    /// A simulated episode must depend on nothing but its seed and the actions that follow:
-    /// reproducible runs rest on it.
+    /// A simulated episode must depend on its seed and on the actions that follow, and on nothing
+    /// else: reproducible runs rest on it.
     fn reset(&mut self, seed: u64, observation: &mut [f32]) -> Result<Start<N>, EnvError>;
 
-    /// Acts for one step and writes the observation after it.
+    /// Carries out `action`, `[action_dim]`, each number in [−1, 1], and writes the observation after
+    /// it, `[obs_dim]`.
     fn step(&mut self, action: &[f32], observation: &mut [f32]) -> Result<Achieved<N>, EnvError>;
 
-    /// Where everything really is, if that is known and is not what is achieved: goals and rewards
-    /// are of what sensors tell.
+    /// The true scene now, where it is known and differs from the measured one that goals and
+    /// rewards use.
     fn truth(&mut self) -> Option<Achieved<N>> {
         None
+    }
+
+    /// Starts an episode with the objects and targets of `start` and writes its first observation,
+    /// where the environment can do that; `None` where it cannot, or not with this `start`.
+    ///
+    /// [`check_env`](crate::testing::check_env) checks symmetries with it.
+    fn reset_to(
+        &mut self,
+        _start: &Start<N>,
+        _observation: &mut [f32],
+    ) -> Result<Option<Start<N>>, EnvError> {
+        Ok(None)
     }
 }

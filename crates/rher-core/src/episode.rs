@@ -8,19 +8,12 @@ use crate::goal::{Achieved, Desired};
 pub struct Episode<const N: usize> {
     /// What the task asked for.
     pub desired: Desired<N>,
-    /// `[T + 1, observation]`, raw.
+    /// `[T + 1, obs_dim]`, raw.
     pub observations: Vec<f32>,
     /// `[T + 1]`.
     pub achieved: Vec<Achieved<N>>,
-    /// `[T, action]`, as they were chosen: the environment gets them clipped to [−1, 1].
+    /// `[T, action_dim]`, as they were carried out: each number in [−1, 1].
     pub actions: Vec<f32>,
-}
-
-impl<const N: usize> Episode<N> {
-    /// How many numbers of its actions were clipped.
-    pub fn clipped(&self) -> usize {
-        self.actions.iter().filter(|number| number.abs() > 1.0).count()
-    }
 }
 
 /// What can be known when the next action is chosen.
@@ -34,8 +27,36 @@ pub struct View<'a, const N: usize> {
     pub desired: &'a Desired<N>,
 }
 
+/// No action could be chosen.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ActError {
+    /// A slice has the wrong length.
+    #[error("`{field}` has {given} numbers, expected {expected}")]
+    Length {
+        /// `observation` or `action`.
+        field: &'static str,
+        /// Length that the policy takes.
+        expected: usize,
+        /// Length that was given.
+        given: usize,
+    },
+    /// A number is NaN or infinite.
+    #[error("number {index} of `{field}` is {value}, expected a finite number")]
+    NotFinite {
+        /// `observation`, `achieved` (the gripper's position, then the objects'), `desired`, or
+        /// `action`, which the policy itself computed.
+        field: &'static str,
+        /// Place in it, counted from 0.
+        index: usize,
+        /// NaN or an infinity.
+        value: f32,
+    },
+}
+
 /// An episode could not be played to its end.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum RolloutError {
     /// The environment itself failed.
     #[error("the environment failed at step {step} of the episode with seed {seed}")]
@@ -46,6 +67,16 @@ pub enum RolloutError {
         step: usize,
         /// What it said.
         source: EnvError,
+    },
+    /// The policy could not act.
+    #[error("no action for step {step} of the episode with seed {seed}")]
+    Act {
+        /// Seed of the episode.
+        seed: u64,
+        /// Steps taken before.
+        step: usize,
+        /// What was wrong.
+        source: ActError,
     },
     /// The environment returned something that is not a number.
     #[error(
@@ -64,11 +95,11 @@ pub enum RolloutError {
     },
 }
 
-/// Plays one episode of `env`; `act` writes each action.
+/// Plays one episode of `env`; `act` writes each action, which is then clipped to [−1, 1].
 pub fn rollout<const N: usize>(
     env: &mut impl Env<N>,
     seed: u64,
-    mut act: impl FnMut(View<'_, N>, &mut [f32]),
+    mut act: impl FnMut(View<'_, N>, &mut [f32]) -> Result<(), ActError>,
 ) -> Result<Episode<N>, RolloutError> {
     let (observation, action, steps) = {
         let spec = env.spec();
@@ -76,7 +107,6 @@ pub fn rollout<const N: usize>(
     };
     let mut observations = vec![0.0; (steps + 1) * observation];
     let mut actions = vec![0.0; steps * action];
-    let mut clipped = vec![0.0; action];
     let mut achieved = Vec::with_capacity(steps + 1);
     let failed = |step| move |source| RolloutError::Env { seed, step, source };
 
@@ -92,12 +122,12 @@ pub fn rollout<const N: usize>(
             desired: &desired,
         };
         let action = &mut actions[step * action..(step + 1) * action];
-        act(view, action);
-        for (clipped, chosen) in clipped.iter_mut().zip(action) {
-            *clipped = chosen.clamp(-1.0, 1.0);
+        act(view, action).map_err(|source| RolloutError::Act { seed, step, source })?;
+        for number in action.iter_mut() {
+            *number = number.clamp(-1.0, 1.0);
         }
         let next = &mut after[..observation];
-        let now = env.step(&clipped, next).map_err(failed(step))?;
+        let now = env.step(action, next).map_err(failed(step))?;
         check(next, &now, seed, step + 1)?;
         achieved.push(now);
     }

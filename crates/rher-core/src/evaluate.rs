@@ -1,7 +1,7 @@
 //! How good a policy is: deterministic, on fixed episodes, judged at the last step.
 
 use crate::config::{EvaluationConfig, TestPolicy};
-use crate::env::Env;
+use crate::env::{Env, SpecError};
 use crate::episode::{Episode, RolloutError, rollout};
 use crate::explore::ActionSource;
 use crate::explore::{ActionLog, Decision};
@@ -28,18 +28,18 @@ pub struct Evaluation {
 
 /// An evaluation could not be made.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum EvaluateError {
-    /// The policy is of another task.
+    /// The environment's specification is wrong.
+    #[error(transparent)]
+    Spec(#[from] SpecError),
+    /// The policy is for another task.
     #[error(transparent)]
     Mismatch(#[from] Mismatch),
     /// The environment failed.
     #[error(transparent)]
     Rollout(#[from] RolloutError),
 }
-
-/// How far an object must have moved from where it started to have been reached on the way, in
-/// metres: the authors' test of their reach sub-tasks.
-const TOUCHED: f32 = 0.01;
 
 /// Plays `config.episodes` episodes for the last sub-task of `policy`, and
 /// `config.subtask_episodes` for each sub-task before it that it was trained for.
@@ -61,7 +61,8 @@ pub fn evaluate<const N: usize, E: Env<N>>(
     test_policy: TestPolicy,
 ) -> Result<Evaluation, EvaluateError> {
     let spec = envs[0].spec();
-    policy.check(spec)?;
+    spec.validate()?;
+    policy.info().check_spec(spec)?;
     let tolerances = spec.tolerances;
     let stages: Vec<Stage<N>> = Stage::all().take(policy.info().subtasks).collect();
     let last = stages.len() - 1;
@@ -95,9 +96,9 @@ pub fn evaluate<const N: usize, E: Env<N>>(
                     let truly = env.truth().map(|end| distance(&end));
                     Ok((stage.index(), met, distance(&end), truly))
                 })
-                .collect::<Result<Vec<_>, RolloutError>>()
+                .collect::<Result<Vec<_>, EvaluateError>>()
         })
-        .collect::<Result<Vec<_>, RolloutError>>()?
+        .collect::<Result<Vec<_>, EvaluateError>>()?
         .into_iter()
         .map(Vec::into_iter)
         .collect::<Vec<_>>();
@@ -167,10 +168,10 @@ pub fn play<const N: usize>(
     test_policy: TestPolicy,
     seed: Seed,
     episode: u64,
-) -> Result<Played<N>, RolloutError> {
+) -> Result<Played<N>, EvaluateError> {
     let tolerances = env.spec().tolerances;
     let reach_distance = policy.info().reach_distance;
-    let mut actor = policy.actor();
+    let mut actor = policy.actor(env.spec())?;
     let mut rng = seed.stream(Purpose::Exploration, episode);
     let mut stages = Vec::with_capacity(env.spec().episode_steps);
     let env_seed = seed.episode(Purpose::Evaluation, episode);
@@ -185,7 +186,7 @@ pub fn play<const N: usize>(
             TestPolicy::Mix | TestPolicy::Final => stage,
         };
         stages.push(acting);
-        actor.act(acting, view.observation, view.achieved, view.desired, action);
+        actor.act(acting, view.observation, view.achieved, view.desired, action)
     })?;
     Ok(Played { stage, seed: env_seed, episode, stages })
 }
@@ -199,13 +200,10 @@ fn was_touched<const N: usize>(
     let (Achieved(start), Achieved(end)) =
         (&played.achieved[0], &played.achieved[played.achieved.len() - 1]);
     let object = stage.object();
-    let is_placed = |earlier: usize| {
-        nalgebra::distance(&end.objects[earlier], &played.desired.objects()[earlier])
-            <= tolerances.objects[earlier]
-    };
-    stage.leg() == Leg::Reach
-        && nalgebra::distance(&start.objects[object], &end.objects[object]) > TOUCHED
-        && (0..object).all(is_placed)
+    let targets = played.desired.objects();
+    let is_placed =
+        |earlier: usize| tolerances.placed(earlier, &end.objects[earlier], &targets[earlier]);
+    stage.leg() == Leg::Reach && end.has_moved(object, start) && (0..object).all(is_placed)
 }
 
 /// How far a scene is from what the sub-task that ends with `stage` is for, in metres: the mean

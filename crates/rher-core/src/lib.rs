@@ -27,6 +27,7 @@
 //! assert_eq!(goal.reward(&now, &tolerances), -1.0);
 //! ```
 
+#[doc(hidden)]
 pub mod batch;
 pub mod config;
 pub mod env;
@@ -34,17 +35,39 @@ pub mod episode;
 #[cfg(feature = "train")]
 pub mod evaluate;
 pub mod event;
+#[doc(hidden)]
 pub mod explore;
 pub mod files;
 pub mod goal;
+#[doc(hidden)]
 pub mod input;
+#[doc(hidden)]
 pub mod learner;
 pub mod policy;
+#[doc(hidden)]
 pub mod relabel;
+#[doc(hidden)]
 pub mod replay;
+#[doc(hidden)]
 pub mod seed;
+mod symmetry;
+pub mod testing;
 #[cfg(feature = "train")]
 pub mod train;
+
+pub use config::{ConfigError, Preset, TrainConfig};
+pub use env::{Env, EnvError, EnvSpec, Mirror, Permutation, SignedIndex, SpecError, Start};
+pub use episode::{ActError, Episode, RolloutError, View, rollout};
+#[cfg(feature = "train")]
+pub use evaluate::{Evaluation, evaluate};
+pub use event::{Event, Metrics, Observer, ObserverError};
+pub use goal::{Achieved, Desired, EncodedGoal, Leg, Position, Scene, Stage, Tolerances};
+pub use policy::{Actor, Mismatch, Policy, PolicyError, PolicyInfo};
+#[cfg(feature = "train")]
+pub use train::{Finish, TrainError, Trainer};
+
+/// The crate whose points are [`Position`]s.
+pub use nalgebra;
 
 /// The code of the tour is compiled and run.
 #[cfg(all(doctest, feature = "fused"))]

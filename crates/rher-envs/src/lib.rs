@@ -31,7 +31,7 @@ mod task;
 pub mod tasks;
 pub mod thing;
 
-pub use goals::{achieved_goal, last_stage, reward_of_goals};
+pub use goals::{achieved_goal, reward_of_goals};
 pub use observation::{Sink, Subject, gripper_and_object};
 pub use options::{OptionError, OptionValue, Options, Randomize, TaskOption, TaskOptions};
 pub use pool::{AutoReset, Frames, Pool, PoolError};

@@ -1,6 +1,6 @@
 //! Many environments of one task, stepped together.
 
-use crate::goals::{achieved_goal, last_stage};
+use crate::goals::achieved_goal;
 use rayon::prelude::*;
 use rher_core::env::{Env, EnvError, EnvSpec, Start};
 use rher_core::goal::{Desired, EncodedGoal, Position};
@@ -355,7 +355,7 @@ impl<E: Env<N>, const N: usize> Row<'_, E, N> {
         let achieved = env.step(action, self.now.0)?;
         *step += 1;
         *self.ended = *step == self.spec.episode_steps;
-        let goal = EncodedGoal::new(last_stage(self.spec), &achieved, desired);
+        let goal = EncodedGoal::new(self.spec.last_stage(), &achieved, desired);
         *self.reward = goal.reward(&achieved, &self.spec.tolerances);
         *self.success = goal.is_met(&achieved, &self.spec.tolerances);
         write(&achieved_goal(self.spec, &achieved), self.now.1);

@@ -264,6 +264,15 @@ impl<S: Scenario<N>, const N: usize> Env<N> for Simulation<S, N> {
         self.observe(observation)
     }
 
+    fn reset_to(
+        &mut self,
+        start: &Start<N>,
+        observation: &mut [f32],
+    ) -> Result<Option<Start<N>>, EnvError> {
+        let layout = Layout::new(start.achieved.0.objects, *start.desired.objects());
+        self.arrange(layout, observation).map(Some)
+    }
+
     fn truth(&mut self) -> Option<Achieved<N>> {
         let Self { scenario, layout, world, .. } = self;
         world.bare(|world| achieved(scenario, layout, world))

@@ -5,7 +5,7 @@ use rher_core::env::{EnvError, EnvSpec, Start};
 use rher_core::goal::{Achieved, Desired, EncodedGoal, Position};
 use rher_envs::thing::Thing;
 use rher_envs::{
-    EnvVisitor, OptionError, Options, Simulated, Task, achieved_goal, last_stage, reward_of_goals,
+    EnvVisitor, OptionError, Options, Simulated, Task, achieved_goal, reward_of_goals,
 };
 use std::any::Any;
 
@@ -104,7 +104,7 @@ impl<E: Simulated<N>, const N: usize> Shown<E, N> {
     fn show(&mut self, achieved: &Achieved<N>) {
         let spec = self.env.spec();
         write(&achieved_goal(spec, achieved), &mut self.frame.achieved);
-        let goal = EncodedGoal::new(last_stage(spec), achieved, &self.desired);
+        let goal = EncodedGoal::new(spec.last_stage(), achieved, &self.desired);
         self.frame.reward = goal.reward(achieved, &spec.tolerances);
         self.frame.success = goal.is_met(achieved, &spec.tolerances);
     }
@@ -114,7 +114,7 @@ impl<E: Simulated<N>, const N: usize> AnyEnv for Shown<E, N> {
     fn widths(&self) -> Widths {
         let EnvSpec { obs_dim: observation, action_dim: action, episode_steps, tolerances, .. } =
             self.env.spec();
-        let of_gripper = last_stage(self.env.spec()).index() == 0;
+        let of_gripper = self.env.spec().last_stage().index() == 0;
         Widths {
             observation: *observation,
             action: *action,

@@ -68,13 +68,14 @@ impl EnvVisitor for Play {
             let seed = Seed(0).episode(Purpose::Environment, count);
             let episode = rollout(&mut env, seed, |_, action| {
                 action.fill_with(|| rng.random_range(-1.0..=1.0));
+                Ok(())
             })?;
             relabeler.observe(&episode, &stages, &mut encoder, &mut rng);
             replay.push(&episode);
         }
         let action = spec.action_dim;
         let rng = Seed(0).stream(Purpose::Batch, 0);
-        let last = rher_envs::last_stage(&spec);
+        let last = spec.last_stage();
         Ok(Box::new(Random { replay, encoder, relabeler, last, action, rng }))
     }
 }

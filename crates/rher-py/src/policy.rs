@@ -9,6 +9,7 @@ use numpy::{
 };
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyType};
+use rher_core::env::EnvSpec;
 use rher_core::goal::{Achieved, Desired, Leg, Scene, Stage};
 use rher_core::policy::{Policy as CorePolicy, PolicyError as CorePolicyError, PolicyInfo};
 use rher_envs::{Options, Task};
@@ -171,7 +172,9 @@ impl Policy {
         let stage = Stage::<N>::from_index(subtasks - 1)?;
         let count = rows.observations.len() / observation;
         let mut actions = vec![0.0; count * action];
-        let mut actor = self.policy.actor();
+        let spec =
+            EnvSpec::<N>::new("", self.policy.info().obs_dim, self.policy.info().action_dim, 1);
+        let mut actor = self.policy.actor(&spec).ok()?;
         for (row, action) in actions.chunks_exact_mut(action).enumerate() {
             let observation = &rows.observations[row * observation..(row + 1) * observation];
             let goal = row * 3 * N..(row + 1) * 3 * N;
@@ -185,7 +188,7 @@ impl Policy {
                 (Leg::Place, None, None) => return None,
             };
             let scene = Achieved(Scene { gripper: at(self.places.gripper), objects });
-            actor.act(stage, observation, &scene, &Desired::of_task(desired), action);
+            actor.act(stage, observation, &scene, &Desired::of_task(desired), action).ok()?;
         }
         Some(actions)
     }

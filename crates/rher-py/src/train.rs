@@ -448,11 +448,11 @@ fn from_train(error: &CoreTrainError, raised: Option<PyErr>) -> PyErr {
         }
         CoreTrainError::Config(_)
         | CoreTrainError::Engine(_)
+        | CoreTrainError::Spec(_)
+        | CoreTrainError::OtherObjects { .. }
         | CoreTrainError::TooFewEnvs { .. } => SettingsError::new_err(told(error)),
         CoreTrainError::Checkpoint(error) => from_checkpoint(error),
         CoreTrainError::Observer(_) => FileError::new_err(told(error)),
-        CoreTrainError::NotFinite { .. } | CoreTrainError::Threads { .. } => {
-            TrainError::new_err(told(error))
-        }
+        _ => TrainError::new_err(told(error)),
     }
 }

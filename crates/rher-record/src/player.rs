@@ -85,7 +85,7 @@ impl<const N: usize, E: Simulated<N>> Player<E, N> {
     /// Plays in `env`; `reach_distance` is the paper's d, by which stages are told, in metres.
     pub fn new(env: E, reach_distance: f32) -> Self {
         let spec = env.spec().clone();
-        let last = Stage::from_index(spec.subtasks - 1).unwrap_or(Stage::FIRST);
+        let last = spec.last_stage();
         Self { env, relay: Relay { spec, reach_distance, last } }
     }
 
@@ -96,6 +96,7 @@ impl<const N: usize, E: Simulated<N>> Player<E, N> {
         let mut chosen = script.actions.chunks_exact(self.relay.spec.action_dim);
         let episode = rollout(&mut watched, script.seed, |_, action| {
             action.copy_from_slice(chosen.next().unwrap_or_default());
+            Ok(())
         })?;
         let mut seen = watched.seen;
         self.relay.add_marks(self.env.goals(&episode.desired), &episode, &mut seen);

@@ -7,7 +7,6 @@ use crate::observe::thousands;
 use crate::printer::Printer;
 use crate::trained::Trained;
 use rher_core::evaluate::play;
-use rher_core::goal::Stage;
 use rher_core::seed::Seed;
 use rher_envs::{EnvVisitor, Simulated};
 use rher_record::export::{Demonstration, lerobot, minari};
@@ -68,12 +67,11 @@ impl EnvVisitor for PlayAll<'_> {
         let Self { trained, episodes, seed, stop } = self;
         let policy = &trained.policy;
         let mut env = build();
-        policy.check(env.spec())?;
+        policy.info().check_spec(env.spec())?;
         let reach_distance = policy.info().reach_distance;
         let about = About::new(env.spec(), Source::Policy, seed, reach_distance);
         let mut player = Player::new(build(), reach_distance);
-        let last = policy.info().subtasks - 1;
-        let stage = Stage::<N>::from_index(last).unwrap_or(Stage::FIRST);
+        let stage = policy.info().last_stage::<N>()?;
         let mut demonstrations = Vec::new();
         for number in 0..episodes {
             if stop.load(Ordering::Relaxed) {

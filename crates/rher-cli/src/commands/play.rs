@@ -7,7 +7,7 @@ use crate::pictures::Pictures;
 use crate::printer::Printer;
 use crate::trained::Trained;
 use rher_core::evaluate::{Played, final_distance, play as play_episode};
-use rher_core::goal::{EncodedGoal, Stage, Tolerances};
+use rher_core::goal::{EncodedGoal, Tolerances};
 use rher_core::seed::Seed;
 use rher_envs::{EnvVisitor, Simulated};
 use rher_record::{About, Player, RecordingFile, Source, layout_beside};
@@ -32,7 +32,7 @@ impl EnvVisitor for Play<'_> {
     fn visit<const N: usize, E: Simulated<N>>(self, build: impl Fn() -> E + Sync) -> Self::Output {
         let Self { trained, args, printer } = self;
         let env = build();
-        trained.policy.check(env.spec())?;
+        trained.policy.info().check_spec(env.spec())?;
         let reach_distance = trained.policy.info().reach_distance;
         let mut about = About::new(env.spec(), Source::Policy, args.seed, reach_distance);
         trained.describe(&mut about)?;
@@ -84,8 +84,7 @@ fn play_all<const N: usize, E: Simulated<N>>(
     stop: &AtomicBool,
 ) -> anyhow::Result<String> {
     let policy = &trained.policy;
-    let last = policy.info().subtasks - 1;
-    let stage = Stage::<N>::from_index(last).unwrap_or(Stage::FIRST);
+    let stage = policy.info().last_stage::<N>()?;
     let tolerances = env.spec().tolerances;
     let mut lines = table();
     lines.set_header(["episode", "success", "distance", "steps to success"]);

@@ -25,6 +25,10 @@ pub struct TrainConfig {
     pub task: String,
     /// The preset that the other settings started from.
     pub preset: Preset,
+    /// Number of objects that the preset was asked for; `None` in settings read from a file, which
+    /// take it from their task.
+    #[serde(skip)]
+    pub objects: Option<usize>,
     /// Seed of every random draw.
     pub seed: u64,
     /// Environment steps after which training ends; evaluation steps are not counted.

@@ -52,6 +52,7 @@ fn paper(task: &str, objects: usize) -> TrainConfig {
         version: VERSION,
         task: task.to_owned(),
         preset: Preset::Paper,
+        objects: Some(objects),
         seed: 1,
         env_steps: match objects {
             1 => 1_000_000,

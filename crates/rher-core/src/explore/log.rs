@@ -9,7 +9,7 @@ pub struct ActionLog {
     pub number: u64,
     /// Seed that the environment was reset with.
     pub seed: u64,
-    /// `[T, action]`, as they were chosen: the environment gets them clipped to [−1, 1].
+    /// `[T, action_dim]`, as they were carried out: each number in [−1, 1].
     pub actions: Vec<f32>,
     /// `[T]`.
     pub decisions: Vec<Decision>,

@@ -10,6 +10,7 @@ mod scene;
 mod stage;
 
 pub use encoding::{EncodedGoal, Slot};
+pub(crate) use reward::is_within;
 pub use reward::{FAILURE, SUCCESS, Tolerances};
 pub use scene::{Achieved, Desired, LaterObjects, Position, Scene};
 pub use stage::{Leg, Stage};

@@ -28,6 +28,13 @@ impl<const N: usize> Scene<N> {
         iter::once(self.gripper).chain(self.objects)
     }
 
+    /// Whether an object is more than a centimetre from where it was at `start`: the authors' test of
+    /// whether it was touched.
+    pub fn has_moved(&self, object: usize, start: &Self) -> bool {
+        const MOVED: f32 = 0.01;
+        nalgebra::distance(&start.objects[object], &self.objects[object]) > MOVED
+    }
+
     /// Whether every coordinate is a finite number.
     pub fn is_finite(&self) -> bool {
         self.places().all(|place| place.coords.iter().all(|x| x.is_finite()))

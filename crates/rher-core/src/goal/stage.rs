@@ -1,5 +1,6 @@
 //! The relay: `2 N` stages, and sub-tasks that end at one of them.
 
+use super::reward::is_within;
 use super::{Achieved, Desired, Tolerances};
 use serde::{Deserialize, Serialize};
 
@@ -80,11 +81,9 @@ impl<const N: usize> Stage<N> {
         reach_distance: f32,
     ) -> Self {
         let scene = &achieved.0;
-        let placed = |i: &usize| {
-            nalgebra::distance(&scene.objects[*i], &desired.objects()[*i]) <= tolerances.objects[*i]
-        };
+        let placed = |i: &usize| tolerances.placed(*i, &scene.objects[*i], &desired.objects()[*i]);
         let object = (0..N - 1).find(|i| !placed(i)).unwrap_or(N - 1);
-        let reached = nalgebra::distance(&scene.gripper, &scene.objects[object]) <= reach_distance;
+        let reached = is_within(&scene.gripper, &scene.objects[object], reach_distance);
         Self { object, leg: if reached { Leg::Place } else { Leg::Reach } }
     }
 }

@@ -1,7 +1,7 @@
 //! Whose turn it is: the order in which the networks see objects that are alike.
 
 use crate::env::{EnvSpec, SignedIndex};
-use crate::goal::{Achieved, EncodedGoal, Tolerances};
+use crate::goal::{Achieved, EncodedGoal, Tolerances, is_within};
 use serde::{Deserialize, Serialize};
 use std::{array, iter};
 
@@ -57,7 +57,7 @@ impl Turns {
     pub(crate) fn first<const N: usize>(&self, now: &Achieved<N>, goal: &EncodedGoal<N>) -> usize {
         let earlier = goal.objects().iter().take(goal.last()).zip(&now.0.objects);
         let mut misplaced = earlier.zip(&self.tolerances).map(|((slot, place), tolerance)| {
-            slot.is_some_and(|wanted| nalgebra::distance(&wanted, place) > *tolerance)
+            slot.is_some_and(|wanted| !is_within(&wanted, place, *tolerance))
         });
         misplaced.position(|misplaced| misplaced).unwrap_or(goal.last())
     }

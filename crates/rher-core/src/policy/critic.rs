@@ -33,9 +33,7 @@ impl Critic {
             let (state, action) = row.split_at_mut(input);
             let goal = EncodedGoal::new(*stage, now, desired);
             self.encoder.write(seen, now, &goal, state);
-            for (clipped, chosen) in action.iter_mut().zip(done) {
-                *clipped = chosen.clamp(-1.0, 1.0);
-            }
+            action.copy_from_slice(done);
         }
         let mut values = vec![0.0; stages.len()];
         Inference::new(&self.shape).forward(&self.parameters, &rows, &mut values);

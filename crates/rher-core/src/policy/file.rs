@@ -1,10 +1,9 @@
-//! A trained policy on its own: what acts, what is saved, what is deployed.
+//! The policy file: tensors in the safetensors format, all else as JSON in its metadata.
 
-use crate::env::EnvSpec;
+use super::info::PolicyInfo;
+use super::model::Policy;
 use crate::files::{self, FileError};
-use crate::goal::{Achieved, Desired, EncodedGoal, Stage};
 use crate::input::InputEncoder;
-use crate::learner::infer::Inference;
 use crate::learner::network::Shape;
 use safetensors::tensor::{Dtype, SafeTensors, TensorView};
 use serde::{Deserialize, Serialize};
@@ -16,40 +15,6 @@ const VERSION: u32 = 1;
 
 /// Key of the description in the file's metadata.
 const METADATA: &str = "rher";
-
-/// A frozen actor with everything it needs to act: networks do not know what a goal is.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Policy {
-    info: PolicyInfo,
-    encoder: InputEncoder,
-    shape: Shape,
-    parameters: Vec<f32>,
-}
-
-/// What a policy was trained for.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct PolicyInfo {
-    /// Name of the environment.
-    pub task: String,
-    /// Settings that the environment was made with, in its own words; empty where it has none.
-    #[serde(default)]
-    pub variant: String,
-    /// Objects in it.
-    pub objects: usize,
-    /// Sub-tasks of its task, from the first.
-    pub subtasks: usize,
-    /// Sub-tasks before the first one that it was trained for: none, but for plain hindsight,
-    /// which trains the last alone.
-    pub untrained: usize,
-    /// Numbers in an observation.
-    #[serde(rename = "observation")]
-    pub obs_dim: usize,
-    /// Numbers in an action.
-    #[serde(rename = "action")]
-    pub action_dim: usize,
-    /// The paper's d, by which stages are told, in metres.
-    pub reach_distance: f32,
-}
 
 /// All of a policy file that is not a tensor.
 #[derive(Serialize, Deserialize)]
@@ -77,58 +42,7 @@ pub enum PolicyError {
     },
 }
 
-/// A policy does not fit an environment.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("the policy was trained for {expected}, but the environment has {found}")]
-pub struct Mismatch {
-    /// Widths of the policy.
-    pub expected: String,
-    /// Widths of the environment.
-    pub found: String,
-}
-
 impl Policy {
-    /// The policy of an actor with these parameters.
-    pub fn new(
-        info: PolicyInfo,
-        encoder: InputEncoder,
-        shape: Shape,
-        parameters: Vec<f32>,
-    ) -> Self {
-        Self { info, encoder, shape, parameters }
-    }
-
-    /// What it was trained for.
-    pub fn info(&self) -> &PolicyInfo {
-        &self.info
-    }
-
-    /// What the network sees.
-    #[cfg(feature = "train")]
-    pub(crate) fn encoder(&self) -> &InputEncoder {
-        &self.encoder
-    }
-
-    /// Something that acts with this policy, with buffers of its own.
-    pub fn actor(&self) -> Actor<'_> {
-        Actor {
-            policy: self,
-            input: vec![0.0; self.encoder.width()],
-            inference: Inference::new(&self.shape),
-        }
-    }
-
-    /// Whether it can act in environments like `spec`.
-    pub fn check<const N: usize>(&self, spec: &EnvSpec<N>) -> Result<(), Mismatch> {
-        let widths = |objects, observation, action| {
-            format!("{objects} objects, observations of {observation} and actions of {action}")
-        };
-        let PolicyInfo { objects, obs_dim: observation, action_dim: action, .. } = self.info;
-        let expected = widths(objects, observation, action);
-        let found = widths(N, spec.obs_dim, spec.action_dim);
-        if expected == found { Ok(()) } else { Err(Mismatch { expected, found }) }
-    }
-
     /// Writes the policy to a file: its tensors, and all else in the metadata.
     ///
     /// The file is complete or not there: it is written beside its place and renamed.
@@ -222,34 +136,5 @@ impl Policy {
             Some(index) => Err(format!("parameter {index} is {}", parameters[index])),
             None => Ok(()),
         }
-    }
-}
-
-/// Acts with a policy; nothing is allocated from one action to the next.
-#[derive(Debug)]
-pub struct Actor<'a> {
-    policy: &'a Policy,
-    input: Vec<f32>,
-    inference: Inference,
-}
-
-impl Actor<'_> {
-    /// Writes the action of the policy for the sub-task that ends with `stage`: the one network,
-    /// fed with the goal encoded for that stage (eq. 7).
-    ///
-    /// # Shapes
-    ///
-    /// `observation`: `[observation]`, raw; `action`: `[action]`, each number in [−1, 1].
-    pub fn act<const N: usize>(
-        &mut self,
-        stage: Stage<N>,
-        observation: &[f32],
-        achieved: &Achieved<N>,
-        desired: &Desired<N>,
-        action: &mut [f32],
-    ) {
-        let goal = EncodedGoal::new(stage, achieved, desired);
-        self.policy.encoder.write(observation, achieved, &goal, &mut self.input);
-        self.inference.act(&self.policy.parameters, &self.input, action);
     }
 }

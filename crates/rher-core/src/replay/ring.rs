@@ -88,7 +88,7 @@ impl<const N: usize> Replay<N> {
         self.pushed
     }
 
-    /// Stores an episode, its actions clipped to [−1, 1].
+    /// Stores an episode.
     ///
     /// # Panics
     ///
@@ -116,10 +116,7 @@ impl<const N: usize> Replay<N> {
                 place.copy_from_slice(position.coords.as_slice());
             }
             if step < self.steps {
-                let chosen = &actions[step * acted..(step + 1) * acted];
-                for (number, chosen) in action.iter_mut().zip(chosen) {
-                    *number = chosen.clamp(-1.0, 1.0);
-                }
+                action.copy_from_slice(&actions[step * acted..(step + 1) * acted]);
             }
         }
         self.pushed += 1;

@@ -2,6 +2,7 @@
 
 use super::checkpoint::CheckpointError;
 use crate::config::ConfigError;
+use crate::env::SpecError;
 use crate::episode::RolloutError;
 use crate::evaluate::EvaluateError;
 use crate::event::ObserverError;
@@ -10,7 +11,7 @@ use crate::learner::engine::{MissingEngine, NotFinite};
 /// Why a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Finish {
-    /// Two evaluations running were as good as `until` asks.
+    /// The success rate of two consecutive evaluations was at least `until`.
     Solved,
     /// All environment steps were taken.
     StepsSpent,
@@ -20,6 +21,7 @@ pub enum Finish {
 
 /// A run could not go on; what was saved before is untouched.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum TrainError {
     /// A setting is outside its range.
     #[error(transparent)]
@@ -27,6 +29,29 @@ pub enum TrainError {
     /// The settings name an engine that is not part of this build.
     #[error(transparent)]
     Engine(#[from] MissingEngine),
+    /// The specification of the environments is wrong.
+    #[error(transparent)]
+    Spec(#[from] SpecError),
+    /// The environments differ.
+    #[error(
+        "environment {index} has another specification than environment 0; every environment of a \
+         run must have the same"
+    )]
+    DifferentEnvs {
+        /// The first that differs, counted from 0.
+        index: usize,
+    },
+    /// The settings were made for another number of objects.
+    #[error(
+        "the settings are for {config} objects and the environments have {envs}; make them with \
+         `Preset::config(task, {envs})`"
+    )]
+    OtherObjects {
+        /// Objects that the preset was asked for.
+        config: usize,
+        /// Objects in the environments.
+        envs: usize,
+    },
     /// Fewer environments than the settings ask for.
     #[error("{given} environments were given, expected at least `envs` = {expected}")]
     TooFewEnvs {

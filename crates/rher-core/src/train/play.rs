@@ -23,7 +23,7 @@ pub(super) struct Played<const N: usize> {
     pub(super) playing: Duration,
 }
 
-/// Plays one episode as eq. 10 has it, and notes who acted.
+/// Plays one episode with actions chosen by eq. 10, and notes who acted.
 pub(super) fn explore_once<const N: usize>(
     env: &mut impl Env<N>,
     policy: &Policy,
@@ -36,7 +36,7 @@ pub(super) fn explore_once<const N: usize>(
     let mut acting = Duration::ZERO;
     let reach_distance = policy.info().reach_distance;
     let mut rng = seed.stream(Purpose::Exploration, episode);
-    let mut actor = policy.actor();
+    let mut actor = policy.actor(env.spec()).expect("the policy was made for this environment");
     let mut choices = Vec::with_capacity(env.spec().episode_steps);
     let mut kept = vec![0.0; env.spec().action_dim];
     let env_seed = seed.episode(Purpose::Environment, episode);
@@ -49,7 +49,7 @@ pub(super) fn explore_once<const N: usize>(
             choices.push(Selection { source: ActionSource::Random, stage: guide.learner(stage) });
             action.copy_from_slice(&kept);
             acting += asked.elapsed();
-            return;
+            return Ok(());
         }
         let choice = guide.draw(stage, &mut rng);
         choices.push(choice);
@@ -60,15 +60,16 @@ pub(super) fn explore_once<const N: usize>(
                 kept.copy_from_slice(action);
             }
             ActionSource::Guide | ActionSource::Learner => {
-                actor.act(stage, view.observation, view.achieved, view.desired, action);
+                actor.act(stage, view.observation, view.achieved, view.desired, action)?;
                 let deviation = guide.noise(stage);
                 for action in action {
                     let draw: f32 = rng.sample(StandardNormal);
-                    *action = (*action + deviation * draw).clamp(-1.0, 1.0);
+                    *action += deviation * draw;
                 }
             }
         }
         acting += asked.elapsed();
+        Ok(())
     })?;
     Ok(Played { seed: env_seed, episode, choices, acting, playing: started.elapsed() })
 }

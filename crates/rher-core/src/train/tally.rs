@@ -8,9 +8,6 @@ use crate::goal::{EncodedGoal, Stage, Tolerances};
 use crate::learner::engine::Losses;
 use serde::{Deserialize, Serialize};
 
-/// An object that went further than this from where it started was moved, in metres.
-const MOVED: f32 = 0.01;
-
 /// Sums over the training between two evaluations.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Tally {
@@ -90,11 +87,8 @@ impl Tally {
         self.actors.learner += actors.learner;
         self.actors.random += actors.random;
         for (object, moved) in self.moved.iter_mut().enumerate() {
-            let start = achieved[0].0.objects[object];
-            let far = |at: &crate::goal::Achieved<N>| {
-                nalgebra::distance(&start, &at.0.objects[object]) > MOVED
-            };
-            *moved += u64::from(achieved.iter().any(far));
+            let start = &achieved[0].0;
+            *moved += u64::from(achieved.iter().any(|frame| frame.0.has_moved(object, start)));
         }
     }
 

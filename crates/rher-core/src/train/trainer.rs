@@ -57,7 +57,8 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
     /// more of them let more of the `workers` threads help. No result depends on either.
     pub fn new(config: TrainConfig, envs: Vec<E>, workers: usize) -> Result<Self, TrainError> {
         config.validate()?;
-        let spec = first(&envs, &config)?.spec();
+        check_envs(&envs, &config)?;
+        let spec = envs[0].spec();
         let info = PolicyInfo {
             task: spec.name.clone(),
             variant: spec.variant.clone(),
@@ -121,8 +122,8 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
         envs: Vec<E>,
         workers: usize,
     ) -> Result<Self, TrainError> {
-        let spec = first(&envs, &state.config)?.spec();
-        let replay = checkpoint::read_replay(folder, &state, spec)?;
+        check_envs(&envs, &state.config)?;
+        let replay = checkpoint::read_replay(folder, &state, envs[0].spec())?;
         Self::assemble(state, learner, replay, envs, workers)
     }
 
@@ -133,7 +134,7 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
         envs: Vec<E>,
         workers: usize,
     ) -> Result<Self, TrainError> {
-        let spec = first(&envs, &state.config)?.spec().clone();
+        let spec = envs[0].spec().clone();
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(workers)
             .build()
@@ -284,7 +285,7 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
         })?;
         let storing = Instant::now();
         let spec = self.envs[0].spec();
-        let tolerances = spec.tolerances;
+        let (tolerances, last_stage) = (spec.tolerances, spec.last_stage());
         self.state.env_steps += (count * spec.episode_steps) as u64;
         let (mut acting, mut playing) = (Duration::ZERO, Duration::ZERO);
         for Played { seed: env_seed, episode, choices, acting: of_actor, playing: of_all } in played
@@ -299,12 +300,7 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
             for choice in &choices {
                 actors.count(choice.source);
             }
-            self.state.tally.episode(
-                &episode,
-                actors,
-                last_stage_of(&self.state.info),
-                &tolerances,
-            );
+            self.state.tally.episode(&episode, actors, last_stage, &tolerances);
             let mut rng = seed.stream(Purpose::Statistics, self.state.episodes);
             let encoder = &mut self.state.encoder;
             self.relabeler.observe(&episode, &self.stages, encoder, &mut rng);
@@ -459,17 +455,21 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
     }
 }
 
-fn first<'a, const N: usize, E: Env<N>>(
-    envs: &'a [E],
+/// Whether these environments are enough, valid, and all the same.
+fn check_envs<const N: usize, E: Env<N>>(
+    envs: &[E],
     config: &TrainConfig,
-) -> Result<&'a E, TrainError> {
-    let (given, expected) = (envs.len(), config.envs);
-    match envs.first() {
-        Some(env) if given >= expected => Ok(env),
-        _ => Err(TrainError::TooFewEnvs { given, expected }),
+) -> Result<(), TrainError> {
+    if let Some(objects) = config.objects.filter(|objects| *objects != N) {
+        return Err(TrainError::OtherObjects { config: objects, envs: N });
     }
-}
-
-fn last_stage_of<const N: usize>(info: &PolicyInfo) -> Stage<N> {
-    Stage::from_index(info.subtasks - 1).unwrap_or(Stage::FIRST)
+    let (given, expected) = (envs.len(), config.envs);
+    let Some(first) = envs.first().filter(|_| given >= expected) else {
+        return Err(TrainError::TooFewEnvs { given, expected });
+    };
+    first.spec().validate()?;
+    match envs.iter().position(|env| env.spec() != first.spec()) {
+        Some(index) => Err(TrainError::DifferentEnvs { index }),
+        None => Ok(()),
+    }
 }

@@ -459,6 +459,7 @@ impl<'a> SettingsFile<'a> {
             version,
             task,
             preset,
+            objects: _,
             seed,
             env_steps,
             until,

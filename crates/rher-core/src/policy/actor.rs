@@ -1,0 +1,113 @@
+//! Acts with a policy.
+
+use super::info::{Mismatch, PolicyInfo};
+use super::model::Policy;
+use crate::env::EnvSpec;
+use crate::episode::ActError;
+use crate::goal::{Achieved, Desired, EncodedGoal, Position, Stage};
+use crate::learner::infer::Inference;
+
+impl Policy {
+    /// An actor for environments like `spec`, with buffers of its own.
+    ///
+    /// A robot without an [`Env`](crate::Env) states what it provides with [`EnvSpec::new`].
+    ///
+    /// ```
+    /// # use rher_core::{EnvSpec, Policy};
+    /// # fn deploy(policy: &Policy) -> Result<(), Box<dyn std::error::Error>> {
+    /// // One object, 25 numbers observed, 4 numbers in an action, episodes of 50 steps.
+    /// let arm = EnvSpec::<1>::new("arm", 25, 4, 50);
+    /// let mut actor = policy.actor(&arm)?;
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// When the policy is for another number of objects or for other dimensions.
+    pub fn actor<const N: usize>(&self, spec: &EnvSpec<N>) -> Result<Actor<'_, N>, Mismatch> {
+        self.info.check_spec(spec)?;
+        Ok(Actor {
+            policy: self,
+            task: self.info.last_stage()?,
+            input: vec![0.0; self.encoder.width()],
+            inference: Inference::new(&self.shape),
+        })
+    }
+}
+
+/// Acts with a policy in a scene of `N` objects; nothing is allocated from one action to the next.
+#[derive(Debug)]
+pub struct Actor<'a, const N: usize> {
+    policy: &'a Policy,
+    task: Stage<N>,
+    input: Vec<f32>,
+    inference: Inference,
+}
+
+impl<const N: usize> Actor<'_, N> {
+    /// The stage that ends the task: what a deployed policy acts for.
+    pub fn task(&self) -> Stage<N> {
+        self.task
+    }
+
+    /// Writes the action of the policy for the sub-task that ends with `stage`: the one network,
+    /// given the goal encoded for that stage (eq. 7).
+    ///
+    /// # Shapes
+    ///
+    /// `observation`: `[obs_dim]`, raw; `action`: `[action_dim]`, each number in [−1, 1].
+    ///
+    /// # Errors
+    ///
+    /// When a length is wrong, or a number that goes in or comes out is not finite. `action` then
+    /// holds nothing to be carried out.
+    pub fn act(
+        &mut self,
+        stage: Stage<N>,
+        observation: &[f32],
+        achieved: &Achieved<N>,
+        desired: &Desired<N>,
+        action: &mut [f32],
+    ) -> Result<(), ActError> {
+        let Policy { info, encoder, parameters, .. } = self.policy;
+        let PolicyInfo { obs_dim, action_dim, .. } = *info;
+        check_length("observation", obs_dim, observation.len())?;
+        check_length("action", action_dim, action.len())?;
+        check_numbers("observation", observation)?;
+        check_positions("achieved", achieved.0.places())?;
+        check_positions("desired", desired.objects().iter().copied())?;
+
+        let goal = EncodedGoal::new(stage, achieved, desired);
+        encoder.write(observation, achieved, &goal, &mut self.input);
+        self.inference.act(parameters, &self.input, action);
+        check_numbers("action", action)
+    }
+}
+
+fn check_length(field: &'static str, expected: usize, given: usize) -> Result<(), ActError> {
+    if expected == given { Ok(()) } else { Err(ActError::Length { field, expected, given }) }
+}
+
+fn check_numbers(field: &'static str, numbers: &[f32]) -> Result<(), ActError> {
+    match numbers.iter().position(|number| !number.is_finite()) {
+        Some(index) => Err(ActError::NotFinite { field, index, value: numbers[index] }),
+        None => Ok(()),
+    }
+}
+
+fn check_positions(
+    field: &'static str,
+    positions: impl Iterator<Item = Position>,
+) -> Result<(), ActError> {
+    for (place, position) in positions.enumerate() {
+        if let Some(axis) = position.iter().position(|number| !number.is_finite()) {
+            return Err(ActError::NotFinite {
+                field,
+                index: 3 * place + axis,
+                value: position[axis],
+            });
+        }
+    }
+    Ok(())
+}

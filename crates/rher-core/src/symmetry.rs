@@ -1,0 +1,159 @@
+//! Symmetries of a scene: mirror images, and objects that may trade names.
+
+use crate::goal::Position;
+use serde::{Deserialize, Serialize};
+
+/// A plane of symmetry, perpendicular to one world axis: every episode has a mirror image that
+/// obeys the same physics.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mirror {
+    /// The world axis that is flipped: 0, 1 or 2.
+    pub axis: usize,
+    /// Where the plane crosses that axis, in metres.
+    pub centre: f32,
+    /// One entry for each number of an observation.
+    pub observation: Vec<SignedIndex>,
+    /// One entry for each number of an action.
+    pub action: Vec<SignedIndex>,
+}
+
+/// Interchangeable objects in another order: every episode in which they trade names obeys the same
+/// physics. Actions stay the same.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Permutation<const N: usize> {
+    /// For each place in the order, which object comes there.
+    pub order: [usize; N],
+    /// One entry for each number of an observation.
+    pub observation: Vec<SignedIndex>,
+}
+
+/// One number of a vector under a symmetry: `sign * original[from] + offset`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SignedIndex {
+    /// Index in the original vector.
+    pub from: usize,
+    /// 1 or −1.
+    pub sign: f32,
+    /// Twice the mirror's place for a coordinate along the flipped axis, 0 for all else.
+    pub offset: f32,
+}
+
+impl Mirror {
+    /// Checks its dimensions and ranges, and that it is its own inverse.
+    pub(crate) fn check(&self, obs_dim: usize, action_dim: usize) -> Result<(), Problem> {
+        if self.axis > 2 || !self.centre.is_finite() {
+            let found = format!("axis {} at {} m", self.axis, self.centre);
+            return Err(Problem::new(found, "axis 0, 1 or 2 at a finite place"));
+        }
+        for (vector, entries, length) in
+            [("observation", &self.observation, obs_dim), ("action", &self.action, action_dim)]
+        {
+            SignedIndex::check(vector, entries, length)?;
+            let is_undone = |(index, entry): (usize, &SignedIndex)| {
+                let back = entries[entry.from];
+                let offset = back.sign * entry.offset + back.offset;
+                back.from == index
+                    && (back.sign - entry.sign).abs() < f32::EPSILON
+                    && offset.abs() <= 1e-5 * (1.0 + entry.offset.abs())
+            };
+            if let Some(index) = (0..length).find(|index| !is_undone((*index, &entries[*index]))) {
+                let found = format!("{vector}[{index}], which its own image does not restore");
+                return Err(Problem::new(found, "a mirror that is its own inverse"));
+            }
+        }
+        Ok(())
+    }
+
+    /// The mirror image of a point.
+    #[must_use]
+    #[inline]
+    pub fn position(&self, position: Position) -> Position {
+        let mut mirrored = position;
+        mirrored[self.axis] = 2.0 * self.centre - position[self.axis];
+        mirrored
+    }
+}
+
+impl<const N: usize> Permutation<N> {
+    /// Checks its dimensions and ranges, and that every object and every number is used once.
+    pub(crate) fn check(&self, obs_dim: usize) -> Result<(), Problem> {
+        let mut sorted = self.order;
+        sorted.sort_unstable();
+        if sorted.iter().enumerate().any(|(place, object)| place != *object) {
+            let found = format!("the order {:?}", self.order);
+            return Err(Problem::new(found, format!("each of the objects 0 to {} once", N - 1)));
+        }
+        SignedIndex::check("observation", &self.observation, obs_dim)?;
+        let mut used = vec![false; obs_dim];
+        for (index, entry) in self.observation.iter().enumerate() {
+            if std::mem::replace(&mut used[entry.from], true) {
+                let found =
+                    format!("observation[{index}], whose number {} is used twice", entry.from);
+                return Err(Problem::new(found, "each number of an observation once"));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// What is wrong with a symmetry.
+#[derive(Debug)]
+pub(crate) struct Problem {
+    pub(crate) found: String,
+    pub(crate) expected: String,
+}
+
+impl Problem {
+    fn new(found: String, expected: impl Into<String>) -> Self {
+        Self { found, expected: expected.into() }
+    }
+}
+
+impl SignedIndex {
+    fn check(vector: &str, entries: &[Self], length: usize) -> Result<(), Problem> {
+        if entries.len() != length {
+            let found = format!("{} entries for its {vector}", entries.len());
+            return Err(Problem::new(found, length.to_string()));
+        }
+        let fits = |entry: &Self| {
+            entry.from < length && matches!(entry.sign, 1.0 | -1.0) && entry.offset.is_finite()
+        };
+        match entries.iter().position(|entry| !fits(entry)) {
+            Some(index) => {
+                let Self { from, sign, offset } = entries[index];
+                let found = format!("{sign} × number {from} + {offset} in {vector}[{index}]");
+                let expected = format!("±1 × a number below {length} + a finite offset");
+                Err(Problem::new(found, expected))
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// The images under one symmetry and then another; no entries are no change.
+    pub(crate) fn then(first: &[Self], second: &[Self]) -> Vec<Self> {
+        let both = |second: &Self| match first.get(second.from) {
+            None => *second,
+            Some(Self { from, sign, offset }) => Self {
+                from: *from,
+                sign: second.sign * sign,
+                offset: second.sign * offset + second.offset,
+            },
+        };
+        second.iter().map(both).collect()
+    }
+
+    /// This number of the image of `original`.
+    #[inline]
+    pub fn of(&self, original: &[f32]) -> f32 {
+        self.sign * original[self.from] + self.offset
+    }
+
+    /// Writes the image of `original` to `image`; all three are equally long.
+    #[inline]
+    pub fn apply(images: &[Self], original: &[f32], image: &mut [f32]) {
+        debug_assert!(images.len() == original.len() && original.len() == image.len());
+        for (out, number) in image.iter_mut().zip(images) {
+            *out = number.of(original);
+        }
+    }
+}
