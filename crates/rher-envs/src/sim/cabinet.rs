@@ -1,8 +1,10 @@
 //! A cabinet with a drawer that is pulled by its handle.
 
-use super::looks::{DRAWER as PAINT, FURNITURE};
-use super::scenery::with_friction;
-use super::{Body, Motion, Scenery, World};
+use super::body::{Body, Motion};
+use super::look::{DRAWER as PAINT, FURNITURE};
+use super::material::with_friction;
+use super::scenery::Scenery;
+use super::world::World;
 use crate::thing::object_colour;
 use nalgebra::Vector3;
 use rapier3d::prelude::{

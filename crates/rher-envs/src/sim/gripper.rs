@@ -4,9 +4,9 @@
 //! like a critically damped spring. Here a [`Lead`] is that spring, and the fingers are driven
 //! after it by a force with an upper limit, so that whatever is in the way stays in one piece.
 
-use super::looks::{Look, METAL, Solid};
-use super::scenery::rough;
-use super::{nalgebra, point};
+use super::convert::{nalgebra, point};
+use super::look::{Look, METAL, Solid};
+use super::material::rough;
 use ::nalgebra::{ComplexField, Vector3};
 use rapier3d::prelude::{
     CoefficientCombineRule, ColliderBuilder, ColliderSet, ImpulseJointHandle, ImpulseJointSet,

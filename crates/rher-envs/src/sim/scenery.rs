@@ -1,12 +1,15 @@
 //! What stands around the gripper.
 
-use super::looks::{FURNITURE, Look, Solid, TABLE};
-use super::variation::Loose;
-use super::{Body, Scenery, glam};
+use super::body::{Body, Loose};
+use super::convert::glam;
+use super::gripper::HandRange;
+use super::look::{FURNITURE, Look, Solid, TABLE};
+use super::material::{rough, slippery, with_friction};
 use crate::thing::{Colour, object_colour};
 use nalgebra::Vector3;
 use rapier3d::prelude::{
-    CoefficientCombineRule, ColliderBuilder, RigidBodyBuilder, RigidBodyHandle, Vector,
+    CoefficientCombineRule, ColliderBuilder, ColliderSet, ImpulseJointSet, RigidBodyBuilder,
+    RigidBodyHandle, RigidBodySet, Vector,
 };
 use rher_core::goal::Position;
 use std::f32::consts::FRAC_PI_2;
@@ -35,9 +38,6 @@ pub(crate) const PUCK_HEIGHT: f32 = 0.04;
 /// Kilograms.
 const PUCK_MASS: f32 = 2.0;
 
-/// Coefficient of friction of the puck and of the table it slides on.
-const SLIPPERY: f32 = 0.1;
-
 /// Metres.
 pub(crate) const CYLINDER_RADIUS: f32 = 0.025;
 
@@ -64,6 +64,20 @@ const OBSTACLE_FRICTION: f32 = 0.1;
 
 /// Metres.
 pub(crate) const PLATE_HEIGHT: f32 = 0.08;
+
+/// A [`World`](super::World) that is being furnished.
+pub struct Scenery {
+    pub(super) bodies: RigidBodySet,
+    pub(super) colliders: ColliderSet,
+    pub(super) joints: ImpulseJointSet,
+    /// What can be moved freely.
+    pub(super) loose: Vec<Loose>,
+    /// What can be seen.
+    pub(super) looks: Vec<Look>,
+    /// From where the robot stands in `FetchPush` to where it stands here, in metres.
+    pub(super) robot: Vector3<f32>,
+    pub(super) hand_range: HandRange,
+}
 
 impl Scenery {
     /// The ground on which what leaves the table ends up.
@@ -230,19 +244,4 @@ impl Scenery {
     pub(super) fn show(&mut self, name: &str, body: Body, colours: &[Colour]) {
         self.looks.push(Look::new(name, Solid::Body(body.0), colours));
     }
-}
-
-/// Friction 1 wherever this touches, unless the other side has more: `MuJoCo`'s rule.
-pub(super) fn with_friction(collider: ColliderBuilder) -> ColliderBuilder {
-    rough(collider).friction_combine_rule(CoefficientCombineRule::Max)
-}
-
-/// Friction 1 against its like; what else it touches has the say.
-pub(super) fn rough(collider: ColliderBuilder) -> ColliderBuilder {
-    collider.friction(1.0)
-}
-
-/// Little friction, unless the other side has more.
-fn slippery(collider: ColliderBuilder) -> ColliderBuilder {
-    collider.friction(SLIPPERY).friction_combine_rule(CoefficientCombineRule::Max)
 }

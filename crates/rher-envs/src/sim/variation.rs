@@ -1,44 +1,13 @@
 //! What differs between the episodes of one world.
 
 use super::camera::Camera;
-use super::{Body, Watch, World};
+use super::convert::glam;
+use super::world::{Watch, World};
 use crate::options::{Randomize, draw};
 use nalgebra::Vector3;
 use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
 use rapier3d::prelude::{Collider, Vector};
-
-/// A body that can be moved freely.
-#[derive(Clone, Copy)]
-pub(super) struct Loose {
-    pub(super) body: Body,
-    /// How much higher its middle is than if it had its usual size, in metres.
-    pub(super) raised: f32,
-}
-
-impl Loose {
-    /// A body of its usual size.
-    pub(super) fn new(body: Body) -> Self {
-        Self { body, raised: 0.0 }
-    }
-}
-
-/// Actions that are carried out a few steps after they were chosen.
-#[derive(Clone, Default)]
-pub(super) struct Late {
-    steps: usize,
-    /// The newest first.
-    chosen: [[f32; 4]; Randomize::LONGEST_DELAY + 1],
-}
-
-impl Late {
-    /// The action to carry out in the step in which `action` is chosen.
-    pub(super) fn after(&mut self, action: [f32; 4]) -> [f32; 4] {
-        self.chosen.rotate_right(1);
-        self.chosen[0] = action;
-        self.chosen[self.steps]
-    }
-}
 
 impl World {
     /// Puts a camera in front of hand and objects: whatever is told of their places and velocities
@@ -104,7 +73,7 @@ impl World {
         let state = &self.state;
         let hand = state.gripper.grip(&state.bodies).position;
         let bodies = state.loose.iter().map(|loose| state.bodies[loose.body.0].translation());
-        std::iter::once(super::glam(hand.coords)).chain(bodies)
+        std::iter::once(glam(hand.coords)).chain(bodies)
     }
 }
 

@@ -1,15 +1,13 @@
-//! How a world looks.
+//! What is visible in a world.
 
-use super::{World, nalgebra};
+use super::convert::nalgebra;
+use super::look::{Look, Solid};
+use super::world::World;
 use crate::thing::{Colour, Form, Role, Shape, Thing};
 use ::nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
-use rapier3d::prelude::{Collider, ColliderHandle, Pose, RigidBodyHandle};
+use rapier3d::prelude::{Collider, Pose};
 use std::f32::consts::FRAC_PI_2;
 
-pub(super) const TABLE: Colour = [0.78, 0.70, 0.58, 1.0];
-pub(super) const FURNITURE: Colour = [0.55, 0.60, 0.66, 1.0];
-pub(super) const DRAWER: Colour = [0.90, 0.86, 0.76, 1.0];
-pub(super) const METAL: Colour = [0.66, 0.68, 0.72, 1.0];
 const HAND: Colour = [0.25, 0.27, 0.31, 1.0];
 
 /// Half the edges of the palm above the fingers, in metres; it is seen and not felt.
@@ -17,27 +15,6 @@ const PALM_HALF: Vector3<f32> = Vector3::new(0.02, 0.068, 0.014);
 
 /// Radius and height of the wrist above the palm, in metres; it is seen and not felt.
 const WRIST: [f32; 2] = [0.022, 0.09];
-
-/// One thing of a world and its paint.
-pub(super) struct Look {
-    name: String,
-    solid: Solid,
-    /// Of its colliders, in their order; the last one is that of all others.
-    colours: Vec<Colour>,
-}
-
-#[derive(Clone, Copy)]
-pub(super) enum Solid {
-    Body(RigidBodyHandle),
-    /// A collider without a body.
-    Ground(ColliderHandle),
-}
-
-impl Look {
-    pub(super) fn new(name: impl Into<String>, solid: Solid, colours: &[Colour]) -> Self {
-        Self { name: name.into(), solid, colours: colours.to_vec() }
-    }
-}
 
 impl World {
     /// Everything that can be seen but the floor, where it really is.
