@@ -1,8 +1,6 @@
 //! The learner: a TD3 actor-critic on plain numbers. Nothing here knows a goal or `N`.
 
 #[cfg(feature = "burn")]
-mod adam;
-#[cfg(feature = "burn")]
 pub mod burn;
 #[cfg(feature = "train")]
 pub mod engine;
