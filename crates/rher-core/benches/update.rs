@@ -6,31 +6,11 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 use rayon::ThreadPoolBuilder;
 use rher_core::batch::Batch;
-use rher_core::config::{AgentConfig, EngineKind, Init, TargetEvery};
+use rher_core::config::{AgentConfig, EngineKind};
 use rher_core::learner::engine;
 use rher_core::learner::state::LearnerState;
 
 const ACTION: usize = 4;
-
-fn td3(engine: EngineKind) -> AgentConfig {
-    AgentConfig {
-        engine,
-        hidden: vec![256; 3],
-        init: Init::FanIn,
-        critics: 2,
-        critic_layer_norm: false,
-        policy_delay: 2,
-        target_noise: 0.2,
-        target_noise_clip: 0.5,
-        discount: 0.98,
-        action_l2: 1.0,
-        imitation: 1.0,
-        actor_learning_rate: 1e-3,
-        critic_learning_rate: 1e-3,
-        target_rate: 0.005,
-        target_every: TargetEvery::Update,
-    }
-}
 
 fn draw_batch(rows: usize, input: usize, rng: &mut ChaCha8Rng) -> Batch {
     let mut batch = Batch::zeros(rows, input, ACTION);
@@ -48,7 +28,12 @@ fn update(criterion: &mut Criterion) {
             for input in [31, 81] {
                 for rows in [128, 256, 1024, 2048] {
                     let mut rng = ChaCha8Rng::seed_from_u64(0);
-                    let config = td3(kind);
+                    let config = AgentConfig {
+                        engine: kind,
+                        hidden: vec![256; 3],
+                        imitation: 1.0,
+                        ..AgentConfig::td3()
+                    };
                     let state = LearnerState::new(&config, input, ACTION, &mut rng);
                     let mut learner =
                         engine::build(&config, state).expect("both engines are compiled in");

@@ -6,7 +6,7 @@ use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use rher_core::batch::Batch;
-use rher_core::config::{AgentConfig, EngineKind, Init, TargetEvery};
+use rher_core::config::AgentConfig;
 use rher_core::learner::engine::Engine as _;
 use rher_core::learner::fused::FusedEngine;
 use rher_core::learner::state::LearnerState;
@@ -41,21 +41,10 @@ const UPDATES: usize = 200;
 
 fn allocations_of_updates(pool: &ThreadPool, critic_layer_norm: bool) -> usize {
     let config = AgentConfig {
-        engine: EngineKind::Fused,
         hidden: vec![48, 40],
-        init: Init::FanIn,
-        critics: 2,
         critic_layer_norm,
-        policy_delay: 2,
-        target_noise: 0.2,
-        target_noise_clip: 0.5,
-        discount: 0.98,
-        action_l2: 1.0,
         imitation: 1.0,
-        actor_learning_rate: 1e-3,
-        critic_learning_rate: 1e-3,
-        target_rate: 0.005,
-        target_every: TargetEvery::Update,
+        ..AgentConfig::td3()
     };
     let (rows, input, action) = (300, 31, 4);
     let state = LearnerState::new(&config, input, action, &mut ChaCha8Rng::seed_from_u64(0));

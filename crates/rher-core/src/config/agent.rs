@@ -13,7 +13,15 @@ pub enum EngineKind {
 }
 
 impl EngineKind {
-    /// The engine of the presets: `Fused`, or `Burn` where only that one is compiled in.
+    /// The engines that are part of this build; the features are named after them.
+    pub const AVAILABLE: &[Self] = &[
+        #[cfg(feature = "burn")]
+        Self::Burn,
+        #[cfg(feature = "fused")]
+        Self::Fused,
+    ];
+
+    /// The engine of the presets: `Fused`, or `Burn` where only that one is part of this build.
     pub const DEFAULT: Self =
         if cfg!(all(feature = "burn", not(feature = "fused"))) { Self::Burn } else { Self::Fused };
 
@@ -86,6 +94,41 @@ pub struct AgentConfig {
 }
 
 impl AgentConfig {
+    /// TD3 with the settings of the authors' multi-object code.
+    pub fn td3() -> Self {
+        Self {
+            engine: EngineKind::DEFAULT,
+            hidden: vec![256; 2],
+            init: Init::FanIn,
+            critics: 2,
+            critic_layer_norm: false,
+            policy_delay: 2,
+            target_noise: 0.2,
+            target_noise_clip: 0.5,
+            discount: 0.98,
+            action_l2: 1.0,
+            imitation: 0.0,
+            actor_learning_rate: 1e-3,
+            critic_learning_rate: 1e-3,
+            target_rate: 0.01,
+            target_every: TargetEvery::Update,
+        }
+    }
+
+    /// DDPG with the settings of the authors' single-object code.
+    pub fn ddpg() -> Self {
+        Self {
+            hidden: vec![256; 3],
+            init: Init::Xavier,
+            critics: 1,
+            policy_delay: 1,
+            target_noise: 0.0,
+            target_rate: 0.05,
+            target_every: TargetEvery::Episode,
+            ..Self::td3()
+        }
+    }
+
     /// The lowest possible return, −1 / (1 − γ).
     pub fn lowest_return(&self) -> f32 {
         -1.0 / (1.0 - self.discount)

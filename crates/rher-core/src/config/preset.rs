@@ -1,9 +1,8 @@
 //! Named starting points for a run's settings.
 
 use super::{
-    AgentConfig, BatchMode, EngineKind, EvaluationConfig, ExplorationConfig, GoalFrame, Init,
-    Method, ObjectOrder, RelayConfig, ReplayConfig, TargetEvery, TestPolicy, TrainConfig,
-    TrainPolicy, VERSION,
+    AgentConfig, BatchMode, EvaluationConfig, ExplorationConfig, GoalFrame, Method, ObjectOrder,
+    RelayConfig, ReplayConfig, TestPolicy, TrainConfig, TrainPolicy, VERSION,
 };
 use crate::goal::LaterObjects;
 use serde::{Deserialize, Serialize};
@@ -91,23 +90,7 @@ fn paper(task: &str, objects: usize) -> TrainConfig {
             updates_per_episode: 40,
             warmup_episodes: if single { 0 } else { 50 },
         },
-        agent: AgentConfig {
-            engine: EngineKind::DEFAULT,
-            hidden: if single { vec![256; 3] } else { vec![256; 2] },
-            init: if single { Init::Xavier } else { Init::FanIn },
-            critics: if single { 1 } else { 2 },
-            critic_layer_norm: false,
-            policy_delay: if single { 1 } else { 2 },
-            target_noise: if single { 0.0 } else { 0.2 },
-            target_noise_clip: 0.5,
-            discount: 0.98,
-            action_l2: 1.0,
-            imitation: 0.0,
-            actor_learning_rate: 1e-3,
-            critic_learning_rate: 1e-3,
-            target_rate: if single { 0.05 } else { 0.01 },
-            target_every: if single { TargetEvery::Episode } else { TargetEvery::Update },
-        },
+        agent: if single { AgentConfig::ddpg() } else { AgentConfig::td3() },
         evaluation: EvaluationConfig {
             every_episodes: 50,
             episodes: 100,
@@ -118,7 +101,7 @@ fn paper(task: &str, objects: usize) -> TrainConfig {
 }
 
 /// Relative goals, mirrored batches, TD3's two critics, networks of two hidden layers, targets that
-/// follow every update, γ 0.95, d = 3 cm, and all sub-tasks in one joint batch of half the rows.
+/// move with every update, γ 0.95, d = 3 cm, and all sub-tasks in one joint batch of half the rows.
 ///
 /// One object: as many updates as its two sub-tasks make in the paper. More: fewer updates for
 /// more data, a smaller action penalty and layer normalisation, which the longer sub-tasks need,
@@ -155,17 +138,12 @@ fn fast(paper: TrainConfig, objects: usize) -> TrainConfig {
             ..paper.replay
         },
         agent: AgentConfig {
-            hidden: vec![256; 2],
-            critics: 2,
+            init: paper.agent.init,
             critic_layer_norm: !single,
-            policy_delay: 2,
-            target_noise: 0.2,
             discount: 0.95,
             action_l2: if single { 1.0 } else { 0.1 },
             imitation: 1.0,
-            target_rate: 0.01,
-            target_every: TargetEvery::Update,
-            ..paper.agent
+            ..AgentConfig::td3()
         },
         evaluation: EvaluationConfig {
             every_episodes: if single { 50 } else { 100 },

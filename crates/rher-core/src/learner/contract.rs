@@ -6,7 +6,7 @@ use super::infer::Inference;
 use super::network::{NORM_EPSILON, Shape};
 use super::state::{LearnerState, Trained};
 use crate::batch::Batch;
-use crate::config::{AgentConfig, EngineKind, Init, TargetEvery};
+use crate::config::{AgentConfig, TargetEvery};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 
@@ -18,13 +18,7 @@ const ACTION: usize = 2;
 
 fn td3() -> AgentConfig {
     AgentConfig {
-        engine: EngineKind::Burn,
         hidden: vec![5, 7],
-        init: Init::FanIn,
-        critics: 2,
-        critic_layer_norm: false,
-        policy_delay: 2,
-        target_noise: 0.2,
         target_noise_clip: 0.3,
         discount: 0.5,
         action_l2: 0.7,
@@ -32,7 +26,7 @@ fn td3() -> AgentConfig {
         actor_learning_rate: 1e-2,
         critic_learning_rate: 1e-2,
         target_rate: 0.1,
-        target_every: TargetEvery::Update,
+        ..AgentConfig::td3()
     }
 }
 

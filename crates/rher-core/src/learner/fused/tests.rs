@@ -1,6 +1,6 @@
 use super::{FusedEngine, Simd};
 use crate::batch::Batch;
-use crate::config::{AgentConfig, EngineKind, Init, TargetEvery};
+use crate::config::{AgentConfig, Init, TargetEvery};
 use crate::learner::contract;
 use crate::learner::engine::{BETA_1, BETA_2, EPSILON, Engine as _, Losses};
 use crate::learner::network::{NORM_EPSILON, Shape};
@@ -14,21 +14,14 @@ const ACTION: usize = 3;
 
 fn td3() -> AgentConfig {
     AgentConfig {
-        engine: EngineKind::Fused,
         hidden: vec![13, 9],
-        init: Init::FanIn,
-        critics: 2,
-        critic_layer_norm: false,
-        policy_delay: 2,
-        target_noise: 0.2,
         target_noise_clip: 0.3,
         discount: 0.9,
         action_l2: 0.5,
         imitation: 0.8,
-        actor_learning_rate: 1e-3,
         critic_learning_rate: 2e-3,
         target_rate: 0.1,
-        target_every: TargetEvery::Update,
+        ..AgentConfig::td3()
     }
 }
 
