@@ -1,25 +1,21 @@
 //! `rher bench update`: milliseconds per update of the networks, beside what the machine could do.
 
+use super::flops::flops;
 use crate::cli::BenchUpdateArgs;
 use crate::commands::{table, text};
 use crate::observe::percent;
 use crate::printer::Printer;
-use crate::values::EngineName;
-use clap::ValueEnum as _;
 use cpu_time::ProcessTime;
 use rand::RngExt as _;
 use rand_distr::StandardNormal;
 use rayon::ThreadPoolBuilder;
 use rher_core::batch::Batch;
-use rher_core::config::AgentConfig;
-use rher_core::config::Preset;
+use rher_core::config::{AgentConfig, EngineKind, Preset};
 use rher_core::learner::engine;
-use rher_core::learner::fused::{flops, gemm_peak};
 use rher_core::learner::state::LearnerState;
 use rher_core::seed::{Purpose, Seed};
 use serde::Serialize;
 use std::num::NonZeroUsize;
-use std::thread;
 use std::time::{Duration, Instant};
 
 const BATCHES: [usize; 4] = [128, 256, 1024, 2048];
@@ -31,9 +27,6 @@ const WARM_UP: Duration = Duration::from_millis(100);
 const MEASURED: Duration = Duration::from_secs(1);
 /// Updates that are timed together: as many with the actor as without.
 const TOGETHER: u32 = 2;
-/// Shape of the products whose speed is the peak, `[rows, width] · [width, width]`: the fused
-/// engine's own for hidden layers of this width.
-const PEAK_SHAPE: (usize, usize) = (256, 256);
 
 /// What is printed of a case.
 #[derive(Serialize)]
@@ -50,15 +43,19 @@ struct UpdateSpeed {
     cpu_ms_per_update: f64,
     /// Of the matrix products alone, at the median.
     gflops: f64,
-    /// Of the best matrix products that this machine made on as many threads, just before.
-    peak_gflops: f64,
+    /// Of the fused engine's best matrix products on as many threads, just before; `None` in a
+    /// program without that engine.
+    peak_gflops: Option<f64>,
 }
 
 pub(crate) fn bench_update(args: &BenchUpdateArgs, printer: Printer) -> anyhow::Result<()> {
     let BenchUpdateArgs { batches, inputs, threads, engine, json } = args;
-    let engines = engine.as_ref().map_or(EngineName::value_variants(), std::slice::from_ref);
+    let engines = match engine {
+        Some(engine) => vec![EngineKind::from(*engine)],
+        None => EngineKind::AVAILABLE.to_vec(),
+    };
     let mut speeds = Vec::new();
-    for &engine in engines {
+    for engine in engines {
         for batch in chosen(batches, &BATCHES) {
             for inputs in chosen(inputs, &INPUTS) {
                 for threads in chosen(threads, &THREADS) {
@@ -92,8 +89,8 @@ pub(crate) fn bench_update(args: &BenchUpdateArgs, printer: Printer) -> anyhow::
             format!("{:.3}", speed.ms_per_update),
             format!("{:.3}", speed.cpu_ms_per_update),
             format!("{:.1}", speed.gflops),
-            format!("{:.1}", speed.peak_gflops),
-            percent(speed.gflops / speed.peak_gflops),
+            speed.peak_gflops.map_or("-".to_owned(), |peak| format!("{peak:.1}")),
+            speed.peak_gflops.map_or("-".to_owned(), |peak| percent(speed.gflops / peak)),
         ]);
     }
     printer.data(&text(&listing))?;
@@ -111,13 +108,13 @@ fn chosen(asked: &[NonZeroUsize], default: &[usize]) -> Vec<usize> {
 /// Times updates of the `fast` preset's learner, with networks of the published size, on random
 /// rows.
 fn measure(
-    engine: EngineName,
+    engine: EngineKind,
     batch: usize,
     inputs: usize,
     threads: usize,
 ) -> anyhow::Result<UpdateSpeed> {
     let preset = Preset::Fast.config("bench", 1).agent;
-    let config = AgentConfig { engine: engine.into(), hidden: vec![256; 3], ..preset };
+    let config = AgentConfig { engine, hidden: vec![256; 3], ..preset };
     let state = LearnerState::new(&config, inputs, ACTION, &mut Seed(0).stream(Purpose::Init, 0));
 
     let mut rng = Seed(0).stream(Purpose::Batch, 0);
@@ -162,16 +159,26 @@ fn measure(
         mean_ms_per_update: 1e3 * mean,
         cpu_ms_per_update: 1e3 * cpu,
         gflops: flops(&config, batch, inputs, ACTION) / median / 1e9,
-        peak_gflops: peak / 1e9,
+        peak_gflops: peak.map(|peak| peak / 1e9),
     })
 }
 
-/// Floating-point operations per second of matrix products on so many threads at a time.
-fn peak(threads: usize) -> f64 {
-    let (rows, width) = PEAK_SHAPE;
-    thread::scope(|scope| {
-        let probes: Vec<_> =
-            (0..threads).map(|_| scope.spawn(move || gemm_peak(rows, width))).collect();
+/// Floating-point operations per second of the fused engine's matrix products on `threads` threads
+/// at a time.
+#[cfg(feature = "fused")]
+fn peak(threads: usize) -> Option<f64> {
+    use rher_core::learner::fused::gemm_peak;
+    // The shape, `[rows, width] · [width, width]`, of the products of hidden layers of this width.
+    const ROWS: usize = 256;
+    const WIDTH: usize = 256;
+    let peak = std::thread::scope(|scope| {
+        let probes: Vec<_> = (0..threads).map(|_| scope.spawn(|| gemm_peak(ROWS, WIDTH))).collect();
         probes.into_iter().filter_map(|probe| probe.join().ok()).sum()
-    })
+    });
+    Some(peak)
+}
+
+#[cfg(not(feature = "fused"))]
+fn peak(_threads: usize) -> Option<f64> {
+    None
 }

@@ -6,6 +6,7 @@ mod kernels;
 mod network;
 mod optimizer;
 mod pass;
+mod peak;
 mod portable;
 mod product;
 mod simd;
@@ -13,7 +14,6 @@ mod slice;
 #[cfg(test)]
 mod tests;
 mod threads;
-mod work;
 
 use super::engine::{Engine, Losses, NotFinite};
 use super::state::LearnerState;
@@ -27,7 +27,8 @@ use simd::Simd;
 use slice::{Job, Slice, Sums};
 use threads::for_each;
 
-pub use work::{flops, gemm_peak};
+#[doc(hidden)]
+pub use peak::gemm_peak;
 
 /// Rows of a slice from which on there are more slices.
 const SLICE_ROWS: usize = 512;
