@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Who does the arithmetic of an update; networks, losses and files are the same.
+/// The engine that computes updates; networks, losses and files are the same for all.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum EngineKind {
@@ -58,7 +58,7 @@ pub enum TargetEvery {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AgentConfig {
-    /// Who does the arithmetic.
+    /// The engine that computes updates.
     pub engine: EngineKind,
     /// Widths of the hidden layers, of the actor and of each critic.
     pub hidden: Vec<usize>,
@@ -66,7 +66,7 @@ pub struct AgentConfig {
     pub init: Init,
     /// 2 for TD3 (the target is the smaller of two), 1 for DDPG.
     pub critics: usize,
-    /// Layer normalisation before every activation of the critics.
+    /// Layer normalization before every activation of the critics.
     pub critic_layer_norm: bool,
     /// Updates of the critics for one of the actor: 2 for TD3, 1 for DDPG.
     pub policy_delay: u64,
@@ -87,7 +87,7 @@ pub struct AgentConfig {
     pub actor_learning_rate: f32,
     /// Adam's step size for the critics.
     pub critic_learning_rate: f32,
-    /// Share of the way that the target networks move towards the trained ones.
+    /// Polyak step: the share of its distance to the trained networks that a target moves by.
     pub target_rate: f32,
     /// When they move.
     pub target_every: TargetEvery,

@@ -104,7 +104,7 @@ fn paper(task: &str, objects: usize) -> TrainConfig {
 /// move with every update, γ 0.95, d = 3 cm, and all sub-tasks in one joint batch of half the rows.
 ///
 /// One object: as many updates as its two sub-tasks make in the paper. More: fewer updates for
-/// more data, a smaller action penalty and layer normalisation, which the longer sub-tasks need,
+/// more data, a smaller action penalty and layer normalization, which the longer sub-tasks need,
 /// alike objects in order of turn, imitation of the simpler sub-tasks, more rows for those that
 /// still fail, random actions that are kept for a few steps, and a guide that moves on sooner.
 fn fast(paper: TrainConfig, objects: usize) -> TrainConfig {

@@ -343,13 +343,15 @@ mod tests {
     }
 
     #[test]
-    fn a_copy_of_the_state_goes_on_alike() {
-        contract::a_copy_of_the_state_goes_on_alike(BurnEngine::from_state);
+    fn a_copy_of_the_state_continues_identically() {
+        contract::a_copy_of_the_state_continues_identically(BurnEngine::from_state);
     }
 
     #[test]
-    fn a_gradient_that_is_none_is_located_and_moves_nothing() {
-        contract::a_gradient_that_is_none_is_located_and_moves_nothing(BurnEngine::from_state);
+    fn a_gradient_that_is_not_finite_is_located_and_moves_nothing() {
+        contract::a_gradient_that_is_not_finite_is_located_and_moves_nothing(
+            BurnEngine::from_state,
+        );
     }
 
     #[test]

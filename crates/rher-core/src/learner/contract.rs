@@ -116,13 +116,15 @@ fn one_update_agrees<E: Engine>(build: Build<E>, config: &AgentConfig) {
     let error = |parameters: &[f64]| {
         mean(rows.iter().map(|row| {
             let actions = act(&before.actor.shape, parameters, &row.inputs);
-            let effort = mean(actions.iter().map(|action| action * action));
+            let action_penalty = mean(actions.iter().map(|action| action * action));
             let value = value(&after.critics[0].shape, &critic, &row.inputs, &actions);
-            let apart = row.simpler.as_ref().map_or(0.0, |simpler| {
+            let imitation_error = row.simpler.as_ref().map_or(0.0, |simpler| {
                 let simpler = act(&before.actor.shape, &doubles(&before.actor.online), simpler);
                 mean(actions.iter().zip(simpler).map(|(action, other)| (action - other).powi(2)))
             });
-            f64::from(config.action_l2) * effort + f64::from(config.imitation) * apart - value
+            f64::from(config.action_l2) * action_penalty
+                + f64::from(config.imitation) * imitation_error
+                - value
         }))
     };
     let squares = slopes_agree(&before.actor, &after.actor, error);
@@ -130,10 +132,10 @@ fn one_update_agrees<E: Engine>(build: Build<E>, config: &AgentConfig) {
     close(losses.actor_gradient.expect("the actor moved"), squares.sqrt());
 
     if config.target_every == TargetEvery::Episode {
-        targets_followed(0.0, &before, &after);
+        targets_moved(0.0, &before, &after);
         engine.move_targets();
     }
-    targets_followed(config.target_rate, &before, &engine.state());
+    targets_moved(config.target_rate, &before, &engine.state());
 }
 
 /// Compares the gradient that went into the first moment with differences of `loss`; gives its
@@ -161,7 +163,7 @@ fn slopes_agree(before: &Trained, after: &Trained, loss: impl Fn(&[f64]) -> f64)
     slopes.iter().map(|slope| slope * slope).sum()
 }
 
-fn targets_followed(rate: f32, before: &LearnerState, after: &LearnerState) {
+fn targets_moved(rate: f32, before: &LearnerState, after: &LearnerState) {
     let before = std::iter::once(&before.actor).chain(&before.critics);
     let after = std::iter::once(&after.actor).chain(&after.critics);
     for (before, after) in before.zip(after) {
@@ -171,7 +173,7 @@ fn targets_followed(rate: f32, before: &LearnerState, after: &LearnerState) {
     }
 }
 
-pub(super) fn a_copy_of_the_state_goes_on_alike<E: Engine>(build: Build<E>) {
+pub(super) fn a_copy_of_the_state_continues_identically<E: Engine>(build: Build<E>) {
     for config in [td3(), ddpg(), AgentConfig { critic_layer_norm: true, ..td3() }] {
         let mut rng = ChaCha8Rng::seed_from_u64(6);
         let start = learner(&config, &mut rng);
@@ -225,7 +227,9 @@ pub(super) fn the_actor_finds_the_rewarded_action<E: Engine>(build: Build<E>) {
     assert!((action - 0.5).abs() < 0.1, "{action} is not 0.5");
 }
 
-pub(super) fn a_gradient_that_is_none_is_located_and_moves_nothing<E: Engine>(build: Build<E>) {
+pub(super) fn a_gradient_that_is_not_finite_is_located_and_moves_nothing<E: Engine>(
+    build: Build<E>,
+) {
     for config in [td3(), ddpg(), AgentConfig { critic_layer_norm: true, ..td3() }] {
         let mut rng = ChaCha8Rng::seed_from_u64(8);
         for nonsense in [f32::NAN, f32::INFINITY] {
@@ -292,7 +296,7 @@ fn bellman(config: &AgentConfig, state: &LearnerState, rows: &[Row], noise: &[f3
     rows.iter().zip(noise.chunks(ACTION)).map(one).collect()
 }
 
-/// What a critic says.
+/// A critic's value of an action.
 fn value(shape: &Shape, parameters: &[f64], inputs: &[f64], actions: &[f64]) -> f64 {
     forward(shape, parameters, &[inputs, actions].concat())[0]
 }
@@ -313,12 +317,12 @@ fn forward(shape: &Shape, parameters: &[f64], inputs: &[f64]) -> Vec<f64> {
             }
         }
         if let Some((scale, shift)) = layer.norm.clone() {
-            let centre = mean(next.iter().copied());
-            let variance = mean(next.iter().map(|x| (x - centre).powi(2)));
+            let center = mean(next.iter().copied());
+            let variance = mean(next.iter().map(|x| (x - center).powi(2)));
             let spread = (variance + f64::from(NORM_EPSILON)).sqrt();
             let affine = parameters[scale].iter().zip(&parameters[shift]);
             for (x, (scale, shift)) in next.iter_mut().zip(affine) {
-                *x = (*x - centre) / spread * scale + shift;
+                *x = (*x - center) / spread * scale + shift;
             }
         }
         if index + 1 < layers.len() {

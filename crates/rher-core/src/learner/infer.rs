@@ -65,7 +65,7 @@ impl Inference {
             let sums = &mut next[..rows * layer.outputs];
             affine(simd, layer, parameters, &now[..rows * layer.inputs], sums);
             if let Some((scale, shift)) = &layer.norm {
-                normalise(&parameters[scale.clone()], &parameters[shift.clone()], sums);
+                normalize(&parameters[scale.clone()], &parameters[shift.clone()], sums);
             }
             if index + 1 < layers.len() {
                 for sum in sums {
@@ -179,9 +179,9 @@ fn load<S: Simd, const VECTORS: usize>(simd: S, values: &[f32]) -> [S::f32s; VEC
     }
 }
 
-/// Layer normalisation of every row.
+/// Layer normalization of every row.
 #[inline(always)]
-fn normalise(scale: &[f32], shift: &[f32], rows: &mut [f32]) {
+fn normalize(scale: &[f32], shift: &[f32], rows: &mut [f32]) {
     let width = scale.len() as f32;
     for row in rows.chunks_exact_mut(scale.len()) {
         let mean = row.iter().sum::<f32>() / width;

@@ -5,7 +5,7 @@ use rand::{Rng, RngExt as _};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
-/// Guard against division by zero in layer normalisation.
+/// Guard against division by zero in layer normalization.
 pub const NORM_EPSILON: f32 = 1e-5;
 
 /// Layers of a fully connected network with rectified hidden layers.
@@ -17,7 +17,7 @@ pub struct Shape {
     pub hidden: Vec<usize>,
     /// Numbers in an output.
     pub outputs: usize,
-    /// Layer normalisation between each hidden layer's affine map and its activation.
+    /// Layer normalization between each hidden layer's affine map and its activation.
     pub layer_norm: bool,
 }
 
@@ -32,7 +32,7 @@ pub struct Layer {
     pub weight: Range<usize>,
     /// `[outputs]`.
     pub bias: Range<usize>,
-    /// Scale and shift of the layer normalisation, `[outputs]` each.
+    /// Scale and shift of the layer normalization, `[outputs]` each.
     pub norm: Option<(Range<usize>, Range<usize>)>,
 }
 

@@ -92,7 +92,7 @@ pub(super) fn sum_rows(matrix: &[f32], stride: usize, sum: &mut [f32]) {
     }
 }
 
-/// Scale and shift of a layer normalisation, `[width]` each.
+/// Scale and shift of a layer normalization, `[width]` each.
 pub(super) struct Norm<'a> {
     pub(super) scale: &'a [f32],
     pub(super) shift: &'a [f32],
@@ -100,7 +100,7 @@ pub(super) struct Norm<'a> {
 
 /// n ← (x + b − mean) / deviation in place, and `activation` ← max(n · scale + shift, 0).
 #[inline(always)]
-pub(super) fn normalise_and_rectify(
+pub(super) fn normalize_and_rectify(
     normal: &mut [f32],
     activation: &mut [f32],
     stride: usize,
@@ -141,7 +141,7 @@ pub(super) fn sum_products(left: &[f32], right: &[f32], stride: usize, sum: &mut
 
 /// δ of n · scale + shift ← δ of x, for n = (x − mean) / deviation.
 #[inline(always)]
-pub(super) fn normalise_backward(
+pub(super) fn normalize_backward(
     delta: &mut [f32],
     normal: &[f32],
     stride: usize,
@@ -191,7 +191,7 @@ pub(super) fn adam(
 
 /// θ′ ← θ′ + rate (θ − θ′).
 #[inline(always)]
-pub(super) fn follow(target: &mut [f32], online: &[f32], rate: f32) {
+pub(super) fn polyak_update(target: &mut [f32], online: &[f32], rate: f32) {
     for (t, p) in target.iter_mut().zip(online) {
         *t += rate * (p - *t);
     }

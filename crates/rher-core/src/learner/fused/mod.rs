@@ -25,7 +25,7 @@ use optimizer::Move;
 use pass::Machine;
 use simd::Simd;
 use slice::{Job, Slice, Sums};
-use threads::for_each;
+use threads::{Threads, for_each};
 
 #[doc(hidden)]
 pub use peak::gemm_peak;
@@ -118,7 +118,7 @@ fn check(slices: &[Slice], actor: &Network, critics: &[Network]) -> Result<(), N
 impl Engine for FusedEngine {
     fn update(&mut self, batch: &Batch, noise: &[f32]) -> Result<Losses, NotFinite> {
         self.cut(batch.rows());
-        let parallel = rayon::current_thread_index().is_some();
+        let threads = Threads::current();
         let Self { config, machine, actor, critics, updates, slices } = self;
         let machine = *machine;
         let actor_moves = (*updates + 1).is_multiple_of(config.policy_delay);
@@ -130,20 +130,20 @@ impl Engine for FusedEngine {
         // actor     every `policy_delay` updates: through the first critic, then the same way
         // targets   move in the same pass as Adam
         let job = Job { machine, config, actor, critics, batch, noise };
-        for_each(parallel, slices, &|_, slice| slice.critics(job));
+        for_each(threads, slices, &|_, slice| slice.critics(job));
         check(slices, actor, critics)?;
 
-        let how = Move { learning_rate: config.critic_learning_rate, target_rate, parallel };
-        for_each(parallel, critics, &|index, critic| {
+        let how = Move { learning_rate: config.critic_learning_rate, target_rate, threads };
+        for_each(threads, critics, &|index, critic| {
             critic.step(machine, how, slices.iter().map(|slice| &*slice.critic_gradients[index]));
         });
 
         if actor_moves {
             let job = Job { machine, config, actor, critics, batch, noise };
-            for_each(parallel, slices, &|_, slice| slice.actor(job));
+            for_each(threads, slices, &|_, slice| slice.actor(job));
             check(slices, actor, critics)?;
 
-            let how = Move { learning_rate: config.actor_learning_rate, target_rate, parallel };
+            let how = Move { learning_rate: config.actor_learning_rate, target_rate, threads };
             actor.step(machine, how, slices.iter().map(|slice| &*slice.actor_gradient));
         }
         *updates += 1;
@@ -154,9 +154,10 @@ impl Engine for FusedEngine {
             critic: (sums.squared_errors / rows) as f32,
             actor: actor_moves.then(|| {
                 let numbers = rows * batch.action_dim as f64;
-                let effort = f64::from(config.action_l2) * sums.squared_actions / numbers;
-                let apart = f64::from(config.imitation) * sums.squared_distances / numbers;
-                (effort + apart - sums.q_of_actor / rows) as f32
+                let action_penalty = f64::from(config.action_l2) * sums.squared_actions / numbers;
+                let imitation_error =
+                    f64::from(config.imitation) * sums.squared_distances / numbers;
+                (action_penalty + imitation_error - sums.q_of_actor / rows) as f32
             }),
             q_mean: (sums.q / rows) as f32,
             q_min: sums.q_min,

@@ -16,7 +16,7 @@ pub(super) struct Dense {
     /// In `narrow`, when a row of the weight is no whole number of vectors: `[inputs, stride]`.
     narrow: Option<Range<usize>>,
     /// In `transposed`: `[outputs, padded(rows)]` for the rows of the weight whose input's gradient
-    /// somebody wants.
+    /// is needed.
     transposed: Range<usize>,
     transposed_rows: Range<usize>,
 }
@@ -64,7 +64,7 @@ impl Parameters {
     }
 }
 
-/// A network that is trained, its target and its optimiser.
+/// A network that is trained, its target and its optimizer.
 #[derive(Debug)]
 pub(super) struct Network {
     pub(super) shape: Shape,
@@ -81,7 +81,7 @@ pub(super) struct Network {
 }
 
 impl Network {
-    /// `differentiated` are the inputs whose gradient somebody wants.
+    /// `differentiated` are the inputs whose gradient is needed.
     pub(super) fn new(trained: Trained, differentiated: &Range<usize>, simd: Simd) -> Self {
         let Trained { shape, online, target, first_moment, second_moment, steps } = trained;
         let (mut narrow_end, mut transposed_end) = (0, 0);

@@ -1,9 +1,9 @@
-//! Adam and the targets' step towards the trained networks, in one pass over the parameters.
+//! Adam and the targets' Polyak update, in one pass over the parameters.
 
 use super::kernels::{self, Step};
 use super::network::Network;
 use super::pass::Machine;
-use super::threads::join;
+use super::threads::{Threads, join};
 use crate::learner::engine::{BETA_1, BETA_2};
 
 /// Parameters whose summed gradient stays in the nearest cache.
@@ -18,8 +18,8 @@ pub(super) struct Move {
     pub(super) learning_rate: f32,
     /// Share of the way that the target moves, if it does.
     pub(super) target_rate: Option<f32>,
-    /// Whether other threads of the pool may help.
-    pub(super) parallel: bool,
+    /// The threads that share the work.
+    pub(super) threads: Threads,
 }
 
 impl Network {
@@ -58,7 +58,7 @@ impl Network {
         let (target, online) = (&mut self.target.flat, &self.online.flat);
         machine.simd.run(
             #[inline(always)]
-            || kernels::follow(target, online, rate),
+            || kernels::polyak_update(target, online, rate),
         );
         self.target.copy_narrow(&self.layers);
     }
@@ -108,7 +108,7 @@ where
         let length = span.online.len();
         if length > SPAN {
             let (left, right) = span.split_at((length / 2).next_multiple_of(BLOCK));
-            let (left, right) = join(self.how.parallel, || self.step(left), || self.step(right));
+            let (left, right) = join(self.how.threads, || self.step(left), || self.step(right));
             return left + right;
         }
         let mut squared_norm = 0.0;
@@ -132,7 +132,7 @@ where
                 }
                 kernels::adam(self.step, sum, online, first_moment, second_moment);
                 if let Some(rate) = self.how.target_rate {
-                    kernels::follow(target, online, rate);
+                    kernels::polyak_update(target, online, rate);
                 }
                 f64::from(kernels::sum(sum, |g| g * g))
             },

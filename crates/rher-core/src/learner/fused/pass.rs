@@ -84,9 +84,9 @@ pub(super) struct Trace {
 struct LayerTrace {
     /// After the activation, `[rows, stride]`.
     output: Buffer,
-    /// Before scale and shift, `[rows, stride]`; empty without layer normalisation.
+    /// Before scale and shift, `[rows, stride]`; empty without layer normalization.
     normal: Buffer,
-    /// `[rows]`; empty without layer normalisation.
+    /// `[rows]`; empty without layer normalization.
     inverse_deviation: Buffer,
 }
 
@@ -95,18 +95,18 @@ impl Trace {
         let layers = layers
             .iter()
             .map(|dense| {
-                let normalised = if dense.layer.norm.is_some() { rows } else { 0 };
+                let normalized = if dense.layer.norm.is_some() { rows } else { 0 };
                 LayerTrace {
                     output: Buffer::zeros(rows * dense.stride),
-                    normal: Buffer::zeros(normalised * dense.stride),
-                    inverse_deviation: Buffer::zeros(normalised),
+                    normal: Buffer::zeros(normalized * dense.stride),
+                    inverse_deviation: Buffer::zeros(normalized),
                 }
             })
             .collect();
         Self { layers }
     }
 
-    /// What the network said, `[rows, stride of the last layer]`.
+    /// Outputs of the network, `[rows, stride of the last layer]`.
     pub(super) fn output(&self) -> &[f32] {
         &self.layers[self.layers.len() - 1].output
     }
@@ -175,7 +175,7 @@ impl Network {
                 machine.simd.run(
                     #[inline(always)]
                     || {
-                        kernels::normalise_and_rectify(
+                        kernels::normalize_and_rectify(
                             normal,
                             output,
                             stride,
@@ -230,7 +230,7 @@ impl Network {
                     || {
                         kernels::mask_and_sum(delta, output, stride, shift_gradient);
                         kernels::sum_products(delta, normal, stride, scale_gradient);
-                        kernels::normalise_backward(
+                        kernels::normalize_backward(
                             delta,
                             normal,
                             stride,
@@ -311,7 +311,7 @@ impl Network {
                     machine.simd.run(
                         #[inline(always)]
                         || {
-                            kernels::normalise_backward(
+                            kernels::normalize_backward(
                                 delta,
                                 normal,
                                 stride,

@@ -34,7 +34,7 @@ pub(super) struct Slice {
     critic_input: Buffer,
     /// Of the critic's output, `[rows, padded(action)]`.
     action_gradient: Buffer,
-    /// What is imitated, `[rows of a chunk, action]`; rows that imitate nothing hold anything.
+    /// The actions that are imitated, `[rows of a chunk, action]`; undefined in other rows.
     simpler_actions: Buffer,
     /// Bellman targets, `[rows]`.
     targets: Buffer,
@@ -171,12 +171,13 @@ impl Slice {
             let states =
                 Rows { data: &next.data[chunk.start * next.stride..], stride: next.stride };
             actor.forward(machine, &actor.target, states, chunk.len(), &mut self.actor_trace);
-            let said = self.actor_trace.output().chunks_exact(actor.output_stride());
+            let outputs = self.actor_trace.output().chunks_exact(actor.output_stride());
             let noise = noise[chunk.start * action..].chunks_exact(action);
-            for ((said, noise), row) in said.zip(noise).zip(inputs.by_ref().take(chunk.len())) {
-                for ((to, said), noise) in row.iter_mut().zip(said).zip(noise) {
-                    let shake = (config.target_noise * noise).clamp(-clip, clip);
-                    *to = (said.tanh() + shake).clamp(-1.0, 1.0);
+            for ((output, noise), row) in outputs.zip(noise).zip(inputs.by_ref().take(chunk.len()))
+            {
+                for ((to, output), draw) in row.iter_mut().zip(output).zip(noise) {
+                    let noise = (config.target_noise * draw).clamp(-clip, clip);
+                    *to = (output.tanh() + noise).clamp(-1.0, 1.0);
                 }
             }
         }
@@ -220,10 +221,10 @@ impl Slice {
             let states = self.states(&batch.simpler_inputs, batch.input_dim);
             let states = Rows { data: &states.data[chunk.start * states.stride..], ..states };
             actor.forward(machine, &actor.online, states, rows, &mut self.actor_trace);
-            let said = self.actor_trace.output().chunks_exact(stride);
-            for (to, said) in self.simpler_actions.chunks_exact_mut(action).zip(said) {
-                for (to, said) in to.iter_mut().zip(said) {
-                    *to = said.tanh();
+            let outputs = self.actor_trace.output().chunks_exact(stride);
+            for (to, output) in self.simpler_actions.chunks_exact_mut(action).zip(outputs) {
+                for (to, output) in to.iter_mut().zip(output) {
+                    *to = output.tanh();
                 }
             }
         }
@@ -232,8 +233,8 @@ impl Slice {
         actor.forward(machine, &actor.online, states, rows, &mut self.actor_trace);
         let actions = self.actor_trace.output_mut().chunks_exact_mut(stride);
         let input = &mut self.critic_input[chunk.start * width..chunk.end * width];
-        for (said, input) in actions.zip(input.chunks_exact_mut(width)) {
-            for (x, to) in said[..action].iter_mut().zip(&mut input[batch.input_dim..]) {
+        for (output, input) in actions.zip(input.chunks_exact_mut(width)) {
+            for (x, to) in output[..action].iter_mut().zip(&mut input[batch.input_dim..]) {
                 *x = x.tanh();
                 *to = *x;
                 self.sums.squared_actions += f64::from(*x).powi(2);
@@ -256,24 +257,24 @@ impl Slice {
             &mut self.action_gradient,
         );
 
-        let pull = 2.0 * config.action_l2 / (batch.rows() * action) as f32;
+        let weight = 2.0 * config.action_l2 / (batch.rows() * action) as f32;
         let actions = self.actor_trace.output().chunks_exact(stride);
         let gradients = self.action_gradient.chunks_exact(padded(action)).zip(actions);
         let deltas = self.deltas.output_mut().chunks_exact_mut(stride);
         for (delta, (gradient, actions)) in deltas.zip(gradients) {
             for ((delta, gradient), a) in delta.iter_mut().zip(gradient).zip(&actions[..action]) {
-                *delta = gradient + pull * a;
+                *delta = gradient + weight * a;
             }
         }
         if let Some(imitates) = imitates {
-            let pull = 2.0 * config.imitation / (batch.rows() * action) as f32;
+            let weight = 2.0 * config.imitation / (batch.rows() * action) as f32;
             let actions = self.actor_trace.output().chunks_exact(stride);
             let deltas = self.deltas.output_mut().chunks_exact_mut(stride);
             let simpler = self.simpler_actions.chunks_exact(action);
             let rows = deltas.zip(actions).zip(simpler).zip(imitates);
             for (((delta, actions), simpler), _) in rows.filter(|(_, imitates)| **imitates) {
                 for ((delta, a), simpler) in delta.iter_mut().zip(actions).zip(simpler) {
-                    *delta += pull * (a - simpler);
+                    *delta += weight * (a - simpler);
                     self.sums.squared_distances += f64::from(a - simpler).powi(2);
                 }
             }

@@ -81,7 +81,7 @@ fn reference(shape: &Shape, parameters: &[f64], inputs: &[f64]) -> Vec<f64> {
         let (weight, bias) = (&parameters[layer.weight.clone()], &parameters[layer.bias.clone()]);
         let mut next = Vec::new();
         for row in rows.chunks_exact(layer.inputs) {
-            let mut said: Vec<f64> = (0..layer.outputs)
+            let mut outputs: Vec<f64> = (0..layer.outputs)
                 .map(|out| {
                     let products =
                         row.iter().enumerate().map(|(k, x)| x * weight[k * layer.outputs + out]);
@@ -89,19 +89,19 @@ fn reference(shape: &Shape, parameters: &[f64], inputs: &[f64]) -> Vec<f64> {
                 })
                 .collect();
             if let Some((scale, shift)) = &layer.norm {
-                let width = said.len() as f64;
-                let mean = said.iter().sum::<f64>() / width;
-                let variance = said.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / width;
+                let width = outputs.len() as f64;
+                let mean = outputs.iter().sum::<f64>() / width;
+                let variance = outputs.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / width;
                 let deviation = (variance + f64::from(NORM_EPSILON)).sqrt();
-                for (out, x) in said.iter_mut().enumerate() {
+                for (out, x) in outputs.iter_mut().enumerate() {
                     *x = (*x - mean) / deviation * parameters[scale.start + out]
                         + parameters[shift.start + out];
                 }
             }
             if index + 1 < layers.len() {
-                said = said.into_iter().map(|x| x.max(0.0)).collect();
+                outputs = outputs.into_iter().map(|x| x.max(0.0)).collect();
             }
-            next.extend(said);
+            next.extend(outputs);
         }
         rows = next;
     }
@@ -131,15 +131,15 @@ fn bellman_targets(
     batch: &Batch,
     noise: &[f32],
 ) -> Vec<f64> {
-    let said =
+    let outputs =
         reference(&state.actor.shape, &doubles(&state.actor.target), &doubles(&batch.next_inputs));
-    let actions: Vec<f64> = said
+    let actions: Vec<f64> = outputs
         .iter()
         .zip(noise)
-        .map(|(said, noise)| {
+        .map(|(output, draw)| {
             let clip = f64::from(config.target_noise_clip);
-            let shake = (f64::from(config.target_noise) * f64::from(*noise)).clamp(-clip, clip);
-            (said.tanh() + shake).clamp(-1.0, 1.0)
+            let noise = (f64::from(config.target_noise) * f64::from(*draw)).clamp(-clip, clip);
+            (output.tanh() + noise).clamp(-1.0, 1.0)
         })
         .collect();
     let inputs = side_by_side(&batch.next_inputs, &actions);
@@ -171,8 +171,8 @@ fn actor_loss(
     batch: &Batch,
     simpler: &[f64],
 ) -> f64 {
-    let said = reference(shape, parameters, &doubles(&batch.inputs));
-    let actions: Vec<f64> = said.into_iter().map(f64::tanh).collect();
+    let outputs = reference(shape, parameters, &doubles(&batch.inputs));
+    let actions: Vec<f64> = outputs.into_iter().map(f64::tanh).collect();
     let inputs = side_by_side(&batch.inputs, &actions);
     let values = reference(&critic.shape, &doubles(&critic.online), &inputs);
     let mean_square = mean(actions.iter().map(|a| a.powi(2)));
@@ -385,8 +385,8 @@ fn gradients_are_slopes_of_the_losses() {
 }
 
 #[test]
-fn a_copy_of_the_state_goes_on_alike() {
-    contract::a_copy_of_the_state_goes_on_alike(FusedEngine::from_state);
+fn a_copy_of_the_state_continues_identically() {
+    contract::a_copy_of_the_state_continues_identically(FusedEngine::from_state);
 }
 
 #[test]
@@ -400,8 +400,8 @@ fn the_actor_finds_the_rewarded_action() {
 }
 
 #[test]
-fn a_gradient_that_is_none_is_located_and_moves_nothing() {
-    contract::a_gradient_that_is_none_is_located_and_moves_nothing(FusedEngine::from_state);
+fn a_gradient_that_is_not_finite_is_located_and_moves_nothing() {
+    contract::a_gradient_that_is_not_finite_is_located_and_moves_nothing(FusedEngine::from_state);
 }
 
 #[test]

@@ -1,26 +1,45 @@
 //! Work for one thread or for a pool, cut the same way for both.
 
-/// Runs both, on two threads of the current pool when `parallel`.
+/// Which threads an update uses.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Threads {
+    /// The caller's alone.
+    Caller,
+    /// Those of the rayon pool that the caller's thread belongs to.
+    Pool,
+}
+
+impl Threads {
+    /// The pool of the current thread, if it belongs to one.
+    pub(super) fn current() -> Self {
+        if rayon::current_thread_index().is_some() { Self::Pool } else { Self::Caller }
+    }
+}
+
+/// Runs both, on two threads if there is a pool.
 pub(super) fn join<A: Send, B: Send>(
-    parallel: bool,
+    threads: Threads,
     left: impl FnOnce() -> A + Send,
     right: impl FnOnce() -> B + Send,
 ) -> (A, B) {
-    if parallel { rayon::join(left, right) } else { (left(), right()) }
+    match threads {
+        Threads::Caller => (left(), right()),
+        Threads::Pool => rayon::join(left, right),
+    }
 }
 
-/// Runs `work` on every item and its index, on the threads of the current pool when `parallel`.
+/// Runs `work` on every item and its index.
 pub(super) fn for_each<T: Send>(
-    parallel: bool,
+    threads: Threads,
     items: &mut [T],
     work: &(impl Fn(usize, &mut T) + Sync),
 ) {
-    for_each_from(0, parallel, items, work);
+    for_each_from(0, threads, items, work);
 }
 
 fn for_each_from<T: Send>(
     start: usize,
-    parallel: bool,
+    threads: Threads,
     items: &mut [T],
     work: &(impl Fn(usize, &mut T) + Sync),
 ) {
@@ -31,9 +50,9 @@ fn for_each_from<T: Send>(
             let middle = items.len() / 2;
             let (left, right) = items.split_at_mut(middle);
             join(
-                parallel,
-                || for_each_from(start, parallel, left, work),
-                || for_each_from(start + middle, parallel, right, work),
+                threads,
+                || for_each_from(start, threads, left, work),
+                || for_each_from(start + middle, threads, right, work),
             );
         }
     }
