@@ -102,16 +102,6 @@ pub(crate) enum EngineName {
     Fused,
 }
 
-impl EngineName {
-    /// As in settings.
-    pub(crate) const fn name(self) -> &'static str {
-        match self {
-            Self::Burn => "burn",
-            Self::Fused => "fused",
-        }
-    }
-}
-
 impl From<EngineName> for EngineKind {
     fn from(name: EngineName) -> Self {
         match name {
