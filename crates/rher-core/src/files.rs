@@ -82,6 +82,7 @@ fn named(folder: &Path) -> io::Result<NamedTempFile> {
 }
 
 /// Makes the renames in a folder durable.
+#[cfg(feature = "train")]
 pub(crate) fn sync_folder(folder: &Path) -> Result<(), FileError> {
     File::open(folder).and_then(|folder| folder.sync_all()).map_err(FileError::write(folder))
 }

@@ -8,9 +8,11 @@ mod encoding;
 mod reward;
 mod scene;
 mod stage;
+mod tolerances;
 
 pub use encoding::{EncodedGoal, Slot};
-pub(crate) use reward::is_within;
-pub use reward::{FAILURE, SUCCESS, Tolerances};
+pub use reward::{FAILURE, SUCCESS};
 pub use scene::{Achieved, Desired, LaterObjects, Position, Scene};
 pub use stage::{Leg, Stage};
+pub use tolerances::Tolerances;
+pub(crate) use tolerances::is_within;
