@@ -12,7 +12,7 @@ use rher_core::evaluate::{Evaluation, evaluate};
 use rher_core::explore::{ActionSource, Curriculum, Explorer};
 use rher_core::goal::Stage;
 use rher_core::input::InputEncoder;
-use rher_core::learner::engine::build;
+use rher_core::learner::engines::build;
 use rher_core::learner::state::LearnerState;
 use rher_core::policy::{Policy, PolicyInfo};
 use rher_core::relabel::Relabeler;

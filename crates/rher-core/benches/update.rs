@@ -7,7 +7,7 @@ use rand_distr::StandardNormal;
 use rayon::ThreadPoolBuilder;
 use rher_core::batch::Batch;
 use rher_core::config::{AgentConfig, EngineKind};
-use rher_core::learner::engine;
+use rher_core::learner::engines;
 use rher_core::learner::state::LearnerState;
 
 const ACTION: usize = 4;
@@ -36,7 +36,7 @@ fn update(criterion: &mut Criterion) {
                     };
                     let state = LearnerState::new(&config, input, ACTION, &mut rng);
                     let mut learner =
-                        engine::build(&config, state).expect("both engines are compiled in");
+                        engines::build(&config, state).expect("both engines are compiled in");
                     let pool = ThreadPoolBuilder::new().num_threads(threads).build();
                     let pool = pool.expect("threads can be started");
                     let batch = draw_batch(rows, input, &mut rng);

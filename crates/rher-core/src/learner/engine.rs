@@ -1,8 +1,7 @@
-//! What an engine does with a learner: the update, what it reports, and which engines there are.
+//! What an engine does with a learner: the update, and what it reports.
 
 use super::state::LearnerState;
 use crate::batch::Batch;
-use crate::config::{AgentConfig, EngineKind};
 
 /// Adam's decay of the first moment.
 pub const BETA_1: f32 = 0.9;
@@ -92,32 +91,4 @@ pub trait Engine: Send {
 
     /// The whole state, for a checkpoint or another engine.
     fn state(&self) -> LearnerState;
-}
-
-/// The engine that the settings name is not part of this build.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "the engine `{name}` is not part of this build: build with the feature `{name}`, or choose \
-     another `agent.engine`",
-    name = .0.name()
-)]
-pub struct MissingEngine(pub EngineKind);
-
-/// Builds the engine that `config` names, with `state` as where it starts.
-///
-/// # Errors
-///
-/// When this build is without the feature that has the engine's name.
-pub fn build(config: &AgentConfig, state: LearnerState) -> Result<Box<dyn Engine>, MissingEngine> {
-    match config.engine {
-        #[cfg(feature = "burn")]
-        EngineKind::Burn => Ok(Box::new(super::burn::BurnEngine::from_state(config, state))),
-        #[cfg(feature = "fused")]
-        EngineKind::Fused => Ok(Box::new(super::fused::FusedEngine::from_state(config, state))),
-        #[cfg(not(all(feature = "burn", feature = "fused")))]
-        missing => {
-            drop(state);
-            Err(MissingEngine(missing))
-        }
-    }
 }

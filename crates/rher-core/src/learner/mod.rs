@@ -4,6 +4,8 @@
 pub mod burn;
 #[cfg(feature = "train")]
 pub mod engine;
+#[cfg(feature = "train")]
+pub mod engines;
 #[cfg(feature = "fused")]
 pub mod fused;
 pub mod infer;

@@ -6,7 +6,8 @@ use crate::env::SpecError;
 use crate::episode::RolloutError;
 use crate::evaluate::EvaluateError;
 use crate::event::ObserverError;
-use crate::learner::engine::{MissingEngine, NotFinite};
+use crate::learner::engine::NotFinite;
+use crate::learner::engines::MissingEngine;
 
 /// Why a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -17,7 +17,8 @@ use crate::event::{Event, Observer, Progress, Seconds};
 use crate::explore::{ActionLog, Curriculum, Decision, Explorer, Selection};
 use crate::goal::Stage;
 use crate::input::InputEncoder;
-use crate::learner::engine::{self, Engine};
+use crate::learner::engine::Engine;
+use crate::learner::engines;
 use crate::learner::network::Shape;
 use crate::learner::state::LearnerState;
 use crate::policy::{Critic, Policy, PolicyInfo};
@@ -154,7 +155,7 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
         let noise = vec![0.0; rows * stages.len() * info.action_dim];
         let actor_shape = learner.actor.shape.clone();
         let critic_shape = learner.critics[0].shape.clone();
-        let engine = engine::build(&state.config.agent, learner)?;
+        let engine = engines::build(&state.config.agent, learner)?;
         let policy = Policy::new(
             state.info.clone(),
             state.encoder.clone(),

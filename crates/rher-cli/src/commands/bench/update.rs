@@ -11,7 +11,7 @@ use rand_distr::StandardNormal;
 use rayon::ThreadPoolBuilder;
 use rher_core::batch::Batch;
 use rher_core::config::{AgentConfig, EngineKind, Preset};
-use rher_core::learner::engine;
+use rher_core::learner::engines;
 use rher_core::learner::state::LearnerState;
 use rher_core::seed::{Purpose, Seed};
 use serde::Serialize;
@@ -126,7 +126,7 @@ fn measure(
     let mut noise = vec![0.0; batch * ACTION];
     noise.fill_with(|| rng.sample(StandardNormal));
 
-    let mut learner = engine::build(&config, state)?;
+    let mut learner = engines::build(&config, state)?;
     let mut time = |least: Duration| -> anyhow::Result<Vec<f64>> {
         let started = Instant::now();
         let mut seconds = Vec::new();

@@ -1,0 +1,33 @@
+//! Which engines there are.
+
+use super::engine::Engine;
+use super::state::LearnerState;
+use crate::config::{AgentConfig, EngineKind};
+
+/// The engine that the settings name is not part of this build.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "the engine `{name}` is not part of this build: build with the feature `{name}`, or choose \
+     another `agent.engine`",
+    name = .0.name()
+)]
+pub struct MissingEngine(pub EngineKind);
+
+/// Builds the engine that `config` names, with `state` as where it starts.
+///
+/// # Errors
+///
+/// When this build is without the feature that has the engine's name.
+pub fn build(config: &AgentConfig, state: LearnerState) -> Result<Box<dyn Engine>, MissingEngine> {
+    match config.engine {
+        #[cfg(feature = "burn")]
+        EngineKind::Burn => Ok(Box::new(super::burn::BurnEngine::from_state(config, state))),
+        #[cfg(feature = "fused")]
+        EngineKind::Fused => Ok(Box::new(super::fused::FusedEngine::from_state(config, state))),
+        #[cfg(not(all(feature = "burn", feature = "fused")))]
+        missing => {
+            drop(state);
+            Err(MissingEngine(missing))
+        }
+    }
+}
