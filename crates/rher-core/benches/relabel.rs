@@ -30,7 +30,7 @@ fn spec() -> EnvSpec<1> {
         tolerances: Tolerances::uniform(0.05),
         mirrors: vec![Mirror {
             axis: 1,
-            center: 0.0,
+            centre: 0.0,
             observation: (0..OBSERVATION).map(same).collect(),
             action: (0..ACTION).map(same).collect(),
         }],
