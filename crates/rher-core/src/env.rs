@@ -132,6 +132,13 @@ pub struct SpecError {
 }
 
 /// An environment could not be reset or stepped.
+///
+/// ```
+/// use rher_core::EnvError;
+///
+/// let error = EnvError::new("the camera is not connected");
+/// assert_eq!(error.to_string(), "the camera is not connected");
+/// ```
 #[derive(Debug, thiserror::Error)]
 #[error(transparent)]
 pub struct EnvError(#[from] Box<dyn std::error::Error + Send + Sync>);
@@ -144,6 +151,17 @@ impl EnvError {
 }
 
 /// The beginning of an episode.
+///
+/// ```
+/// use rher_core::testing::Carry;
+/// use rher_core::{Env, Start};
+///
+/// let mut observation = [0.0; 2];
+/// let Start { achieved, desired } = Carry::new().reset(7, &mut observation)?;
+/// assert_eq!(observation[0], achieved.0.gripper.x);
+/// assert_ne!(achieved.0.objects, *desired.objects());
+/// # Ok::<(), rher_core::EnvError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Start<const N: usize> {
     /// Where everything is.
@@ -157,6 +175,49 @@ pub struct Start<const N: usize> {
 /// There is no reward and no end in it: the reward is a function of goals
 /// ([`EncodedGoal::reward`](crate::goal::EncodedGoal::reward)), and every episode has
 /// [`EnvSpec::episode_steps`] steps.
+///
+/// ```
+/// use rher_core::{Achieved, Desired, Env, EnvError, EnvSpec, Position, Scene, Start};
+///
+/// /// A hand on a line that reaches for a place.
+/// struct Line {
+///     spec: EnvSpec<1>,
+///     hand: f32,
+///     target: Position,
+/// }
+///
+/// impl Line {
+///     fn observe(&self, observation: &mut [f32]) -> Achieved<1> {
+///         observation[0] = self.hand;
+///         let gripper = Position::new(self.hand, 0.0, 0.0);
+///         Achieved(Scene { gripper, objects: [self.target] })
+///     }
+/// }
+///
+/// impl Env<1> for Line {
+///     fn spec(&self) -> &EnvSpec<1> {
+///         &self.spec
+///     }
+///
+///     fn reset(&mut self, seed: u64, observation: &mut [f32]) -> Result<Start<1>, EnvError> {
+///         self.hand = 0.0;
+///         self.target.x = (seed % 10) as f32 / 10.0;
+///         let desired = Desired::of_task([self.target]);
+///         Ok(Start { achieved: self.observe(observation), desired })
+///     }
+///
+///     fn step(&mut self, action: &[f32], observation: &mut [f32]) -> Result<Achieved<1>, EnvError> {
+///         self.hand += 0.1 * action[0];
+///         Ok(self.observe(observation))
+///     }
+/// }
+///
+/// let mut spec = EnvSpec::new("line", 1, 1, 10);
+/// spec.subtasks = 1;
+/// let build = || Line { spec: spec.clone(), hand: 0.0, target: Position::origin() };
+/// rher_core::testing::check_env(build)?;
+/// # Ok::<(), rher_core::testing::CheckError>(())
+/// ```
 pub trait Env<const N: usize>: Send {
     /// Widths and limits.
     fn spec(&self) -> &EnvSpec<N>;

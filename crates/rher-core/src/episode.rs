@@ -4,6 +4,18 @@ use crate::env::{Env, EnvError, Start};
 use crate::goal::{Achieved, Desired};
 
 /// `T + 1` frames, and the `T` actions between them.
+///
+/// ```
+/// use rher_core::testing::Carry;
+/// use rher_core::{Episode, rollout};
+///
+/// let episode: Episode<1> = rollout(&mut Carry::new(), 1, |view, action| {
+///     action.copy_from_slice(&[view.achieved.0.objects[0].x - view.achieved.0.gripper.x, 1.0]);
+///     Ok(())
+/// })?;
+/// assert_eq!((episode.achieved.len(), episode.actions.len()), (21, 2 * 20));
+/// # Ok::<(), rher_core::RolloutError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Episode<const N: usize> {
     /// What the task asked for.

@@ -13,6 +13,18 @@ use rand::RngExt as _;
 use rayon::prelude::*;
 
 /// What an evaluation found.
+///
+/// ```no_run
+/// use rher_core::testing::Carry;
+/// use rher_core::{Policy, Preset, evaluate};
+///
+/// let policy = Policy::load("policy.safetensors".as_ref())?;
+/// let config = Preset::Fast.config("carry", 1);
+/// let (of, which) = (&config.evaluation, config.exploration.test_policy);
+/// let evaluation = evaluate(&mut [Carry::new()], &policy, of, which)?;
+/// println!("success {}", evaluation.success_final);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Evaluation {
     /// Success rate of every sub-task; `None` where it was not evaluated.

@@ -1,10 +1,11 @@
-//! What happens in a run, for those who watch it.
+//! What happens in a run, for its observers.
 
 use crate::explore::ActionLog;
 use serde::{Deserialize, Serialize};
 
 /// Something that happened in a run.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Event {
     /// A training episode was played that the observer [wants](Observer::wants).
     Explored(Box<ActionLog>),
@@ -108,6 +109,23 @@ pub struct Seconds {
 pub struct ObserverError(#[from] pub Box<dyn std::error::Error + Send + Sync>);
 
 /// Is told what happens in a run; never influences it.
+///
+/// ```
+/// use rher_core::{Event, Observer, ObserverError};
+///
+/// /// Keeps the success rate of every evaluation.
+/// struct Curve(Vec<f32>);
+///
+/// impl Observer for Curve {
+///     fn on(&mut self, event: &Event) -> Result<(), ObserverError> {
+///         if let Event::Evaluated(metrics) = event {
+///             self.0.push(metrics.success_final);
+///         }
+///         Ok(())
+///     }
+/// }
+/// # let _ = Curve(Vec::new());
+/// ```
 pub trait Observer {
     /// Takes note of `event`.
     fn on(&mut self, event: &Event) -> Result<(), ObserverError>;

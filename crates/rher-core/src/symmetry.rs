@@ -5,6 +5,25 @@ use serde::{Deserialize, Serialize};
 
 /// A plane of symmetry, perpendicular to one world axis: every episode has a mirror image that
 /// obeys the same physics.
+///
+/// ```
+/// use rher_core::{Mirror, Position, SignedIndex};
+///
+/// // A scene that is symmetric about y = 0.75 m, of which x and y are observed.
+/// let mirror = Mirror {
+///     axis: 1,
+///     centre: 0.75,
+///     observation: vec![
+///         SignedIndex { from: 0, sign: 1.0, offset: 0.0 },
+///         SignedIndex { from: 1, sign: -1.0, offset: 1.5 },
+///     ],
+///     action: vec![
+///         SignedIndex { from: 0, sign: 1.0, offset: 0.0 },
+///         SignedIndex { from: 1, sign: -1.0, offset: 0.0 },
+///     ],
+/// };
+/// assert_eq!(mirror.position(Position::new(0.3, 0.5, 0.0)), Position::new(0.3, 1.0, 0.0));
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mirror {
     /// The world axis that is flipped: 0, 1 or 2.
@@ -19,6 +38,17 @@ pub struct Mirror {
 
 /// Interchangeable objects in another order: every episode in which they trade names obeys the same
 /// physics. Actions stay the same.
+///
+/// ```
+/// use rher_core::{Permutation, SignedIndex};
+///
+/// // Two blocks trade names; the observation holds the hand's x, then that of each block.
+/// let entry = |from| SignedIndex { from, sign: 1.0, offset: 0.0 };
+/// let swap = Permutation { order: [1, 0], observation: vec![entry(0), entry(2), entry(1)] };
+/// let mut seen = [0.0; 3];
+/// SignedIndex::apply(&swap.observation, &[0.1, 0.2, 0.3], &mut seen);
+/// assert_eq!(seen, [0.1, 0.3, 0.2]);
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Permutation<const N: usize> {
     /// For each place in the order, which object comes there.
@@ -28,6 +58,14 @@ pub struct Permutation<const N: usize> {
 }
 
 /// One number of a vector under a symmetry: `sign * original[from] + offset`.
+///
+/// ```
+/// use rher_core::SignedIndex;
+///
+/// // The mirror image of a coordinate at the plane where it is 0.75 m.
+/// let y = SignedIndex { from: 1, sign: -1.0, offset: 1.5 };
+/// assert_eq!(y.of(&[0.3, 0.5]), 1.0);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SignedIndex {
     /// Index in the original vector.

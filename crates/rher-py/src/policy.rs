@@ -30,7 +30,7 @@ impl From<PolicyFailure> for PyErr {
     fn from(PolicyFailure(error): PolicyFailure) -> Self {
         match error {
             CorePolicyError::File(_) => FileError::new_err(told(&error)),
-            CorePolicyError::Malformed { .. } => PolicyError::new_err(told(&error)),
+            _ => PolicyError::new_err(told(&error)),
         }
     }
 }

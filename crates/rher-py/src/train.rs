@@ -342,6 +342,7 @@ fn as_dict<'py>(py: Python<'py>, event: &Event) -> PyResult<Bound<'py, PyDict>> 
             ("explored", dict)
         }
         Event::Saved => ("saved", PyDict::new(py)),
+        _ => ("other", PyDict::new(py)),
     };
     dict.set_item("kind", kind)?;
     Ok(dict)

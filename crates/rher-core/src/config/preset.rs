@@ -8,6 +8,15 @@ use crate::goal::LaterObjects;
 use serde::{Deserialize, Serialize};
 
 /// A named starting point for a run's settings.
+///
+/// ```
+/// use rher_core::Preset;
+///
+/// let mut config = Preset::Fast.config("carry", 1);
+/// config.seed = 3;
+/// config.agent.hidden = vec![64, 64];
+/// assert!(config.validate().is_ok());
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Preset {

@@ -14,6 +14,16 @@ pub type Slot = Option<Position>;
 ///
 /// In hindsight (eq. 9) the targets, and the gripper's goal, are what was reached later.
 /// The fields are private: this is the only place where the rule is applied.
+///
+/// ```
+/// use rher_core::{Achieved, Desired, EncodedGoal, Position, Scene, Stage, Tolerances};
+///
+/// let (block, target) = (Position::new(0.3, 0.0, 0.0), Position::new(0.4, 0.0, 0.0));
+/// let now = Achieved(Scene { gripper: Position::origin(), objects: [block] });
+/// let goal = EncodedGoal::new(Stage::place(0), &now, &Desired::of_task([target]));
+/// assert_eq!((goal.gripper(), goal.objects()), (None, &[Some(target)]));
+/// assert_eq!(goal.reward(&now, &Tolerances::uniform(0.05)), -1.0);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EncodedGoal<const N: usize> {
     gripper: Slot,

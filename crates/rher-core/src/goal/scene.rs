@@ -5,9 +5,24 @@ use serde::{Deserialize, Serialize};
 use std::iter;
 
 /// A point in the world frame, in metres.
+///
+/// ```
+/// use rher_core::Position;
+///
+/// let above = Position::new(1.3, 0.7, 0.4) + rher_core::nalgebra::Vector3::z() * 0.1;
+/// assert_eq!(above.z, 0.5);
+/// ```
 pub type Position = Point3<f32>;
 
 /// Where the gripper and each of `N` objects are; objects are in relay order.
+///
+/// ```
+/// use rher_core::{Position, Scene};
+///
+/// let block = Position::new(0.3, 0.0, 0.0);
+/// let scene = Scene { gripper: Position::origin(), objects: [block] };
+/// assert_eq!(scene.places().collect::<Vec<_>>(), [Position::origin(), block]);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scene<const N: usize> {
     /// Grip centre.
@@ -42,6 +57,13 @@ impl<const N: usize> Scene<N> {
 }
 
 /// A scene that was reached: the paper's `s_ag`.
+///
+/// ```
+/// use rher_core::{Achieved, Position, Scene};
+///
+/// let measured = Achieved(Scene { gripper: Position::origin(), objects: [Position::origin(); 2] });
+/// assert!(measured.0.is_finite());
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Achieved<const N: usize>(pub Scene<N>);
 
@@ -58,6 +80,13 @@ pub enum LaterObjects {
 /// A scene that is asked for: the paper's `s_dg`.
 ///
 /// It comes either from the task, or from [`Desired::in_hindsight`], and from nowhere else.
+///
+/// ```
+/// use rher_core::{Desired, Position};
+///
+/// let target = Position::new(0.4, 0.1, 0.0);
+/// assert_eq!(Desired::of_task([target]).objects(), &[target]);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Desired<const N: usize> {
     objects: [Position; N],

@@ -5,6 +5,13 @@ use super::{Achieved, Desired, Tolerances};
 use serde::{Deserialize, Serialize};
 
 /// Which half of an object's share of the relay a stage is.
+///
+/// ```
+/// use rher_core::{Leg, Stage};
+///
+/// let legs: Vec<Leg> = Stage::<1>::all().map(Stage::leg).collect();
+/// assert_eq!(legs, [Leg::Reach, Leg::Place]);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Leg {
     /// Bring the gripper to the object.
@@ -17,6 +24,16 @@ pub enum Leg {
 ///
 /// A stage also names the sub-task that ends with it (eq. 5): ψⱼ is all stages up to ζⱼ, and its
 /// policy is the one shared network, fed with the goal encoded for stage j (eq. 7).
+///
+/// ```
+/// use rher_core::Stage;
+///
+/// // Two objects, four stages; the third is to reach the second object.
+/// let stages: Vec<Stage<2>> = Stage::all().collect();
+/// assert_eq!(stages.len(), 4);
+/// assert_eq!(stages[2].object(), 1);
+/// assert_eq!(Stage::from_index(2), Some(stages[2]));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Stage<const N: usize> {
     object: usize,

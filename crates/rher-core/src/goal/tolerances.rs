@@ -9,6 +9,14 @@ pub(crate) fn is_within(a: &Position, b: &Position, tolerance: f32) -> bool {
 }
 
 /// How near counts as there, by slot, in meters.
+///
+/// ```
+/// use rher_core::{Position, Tolerances};
+///
+/// let near = Position::new(0.04, 0.0, 0.0);
+/// let tolerances = Tolerances::<1>::uniform(0.05);
+/// assert!(tolerances.placed(0, &near, &Position::origin()));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tolerances<const N: usize> {
     /// Of the gripper to the place it should reach.

@@ -28,6 +28,7 @@ struct Metadata {
 
 /// A policy file could not be written or read.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum PolicyError {
     /// The file system refused.
     #[error(transparent)]

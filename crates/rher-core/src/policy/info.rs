@@ -5,6 +5,13 @@ use crate::goal::Stage;
 use serde::{Deserialize, Serialize};
 
 /// What a policy was trained for.
+///
+/// ```no_run
+/// # use rher_core::Policy;
+/// let policy = Policy::load("policy.safetensors".as_ref())?;
+/// println!("{} with {} objects", policy.info().task, policy.info().objects);
+/// # Ok::<(), rher_core::PolicyError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PolicyInfo {
     /// Name of the environment.

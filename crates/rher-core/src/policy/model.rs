@@ -7,6 +7,22 @@ use crate::learner::network::Shape;
 /// A frozen actor network with everything it needs to act in a scene.
 ///
 /// [`Policy::load`] reads one, [`Policy::actor`] acts with it.
+///
+/// ```no_run
+/// use rher_core::{Achieved, Desired, EnvSpec, Policy, Position, Scene};
+///
+/// let policy = Policy::load("policy.safetensors".as_ref())?;
+/// let arm = EnvSpec::<1>::new("arm", 25, 4, 50);
+/// let mut actor = policy.actor(&arm)?;
+///
+/// // What the robot's sensors say, and where the block should go.
+/// let (observation, mut action) = ([0.0; 25], [0.0; 4]);
+/// let block = Position::new(1.3, 0.7, 0.42);
+/// let scene = Achieved(Scene { gripper: Position::new(1.3, 0.7, 0.5), objects: [block] });
+/// let desired = Desired::of_task([Position::new(1.4, 0.8, 0.42)]);
+/// actor.act(actor.task(), &observation, &scene, &desired, &mut action)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Policy {
     pub(super) info: PolicyInfo,

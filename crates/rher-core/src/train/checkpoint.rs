@@ -40,6 +40,7 @@ const EPISODES_PER_FILE: u64 = 1000;
 
 /// A checkpoint could not be written or read.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum CheckpointError {
     /// The file system refused.
     #[error(transparent)]

@@ -67,7 +67,7 @@ pub enum TrainError {
         /// How many were asked for.
         workers: usize,
         /// What the system said.
-        source: rayon::ThreadPoolBuildError,
+        source: Box<dyn std::error::Error + Send + Sync>,
     },
     /// An environment failed in training.
     #[error("episode {episode}")]

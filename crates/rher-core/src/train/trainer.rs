@@ -34,6 +34,27 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// A run of relay hindsight experience replay.
+///
+/// ```
+/// use rher_core::testing::Carry;
+/// use rher_core::{Event, Preset, Trainer};
+/// use std::sync::atomic::AtomicBool;
+///
+/// let mut config = Preset::Fast.config("carry", 1);
+/// config.env_steps = 40;
+/// config.agent.hidden = vec![16];
+/// config.replay.updates_per_episode = 2;
+/// let mut trainer = Trainer::new(config, vec![Carry::new()], 1)?;
+/// let mut print = |event: &Event| {
+///     if let Event::Evaluated(metrics) = event {
+///         println!("{} steps: success {}", metrics.env_steps, metrics.success_final);
+///     }
+///     Ok(())
+/// };
+/// trainer.run(None, &mut print, &AtomicBool::new(false))?;
+/// assert_eq!(trainer.progress().env_steps, 40);
+/// # Ok::<(), rher_core::TrainError>(())
+/// ```
 pub struct Trainer<const N: usize, E> {
     state: RunState,
     envs: Vec<E>,
@@ -139,7 +160,7 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(workers)
             .build()
-            .map_err(|source| TrainError::Threads { workers, source })?;
+            .map_err(|source| TrainError::Threads { workers, source: source.into() })?;
         let RunState { config, info, encoder, .. } = &state;
         let stages: Vec<Stage<N>> = Stage::all().take(info.subtasks).skip(info.untrained).collect();
         let rows = config.replay.batch_size;
