@@ -188,6 +188,7 @@ impl Report {
             CheckpointError::Policy(error) => Self::of_policy(error),
             CheckpointError::Mismatch { .. } => Some(Self { status: Status::Damaged, hint: None }),
             CheckpointError::File(error) => Self::of_file(error),
+            _ => None,
         }
     }
 
@@ -206,6 +207,7 @@ impl Report {
                 ))
             }
             PolicyError::File(error) => Self::of_file(error),
+            _ => None,
         }
     }
 

@@ -53,7 +53,7 @@ impl<const N: usize, E: Simulated<N>> Observer for Watch<E, N> {
                     live.show(script);
                 }
             }
-            Event::Saved => {}
+            _ => {}
         }
         Ok(())
     }
