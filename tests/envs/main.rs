@@ -16,6 +16,7 @@ mod obstacle_push;
 mod options;
 mod physics;
 mod pictures;
+mod places;
 mod pool;
 mod scripted;
 mod slide;

@@ -1,6 +1,6 @@
 //! From a [`Scenario`] to an environment.
 
-use crate::observation::{Numbers, Owners, Reflections, Sink};
+use crate::observation::{Numbers, Owners, Places, Positions, Reflections, Sink};
 use crate::options::{OptionError, Options, Randomize, TaskOption, TaskOptions};
 use crate::sim::{self, World};
 use crate::thing::Thing;
@@ -39,7 +39,8 @@ pub trait Scenario<const N: usize>: Sized + Send + 'static {
     const REACH_TOLERANCE: f32 = Self::TOLERANCE;
 
     /// Whether nothing but their order tells the objects apart, so that a replay may exchange them
-    /// and networks see them in order of turn.
+    /// and networks see them in order of turn. [`Sink::about`] then has to say which numbers of an
+    /// observation are about which object.
     const ALIKE: bool = false;
 
     /// Whether the scene in front of the hand, as an episode begins, is like that behind it, but for
@@ -115,6 +116,9 @@ pub trait Simulated<const N: usize>: Env<N> + 'static {
     /// What was set when it was made.
     fn options(&self) -> &Options;
 
+    /// Where in an observation the gripper's and the objects' positions are.
+    fn places(&self) -> Places<N>;
+
     /// Everything that can be seen but the floor at height 0, where it really is, whatever sensors
     /// tell.
     fn things(&self) -> Vec<Thing>;
@@ -157,6 +161,11 @@ impl<S, const N: usize> Clone for State<S, N> {
 
 impl<S: Scenario<N>, const N: usize> Simulation<S, N> {
     /// Sets the scene, every option at its default.
+    ///
+    /// # Panics
+    ///
+    /// If the scenario's objects are [alike](Scenario::ALIKE) and its observation does not say
+    /// [which numbers are about which object](Sink::about).
     #[must_use]
     pub fn new() -> Self {
         Self::built(&Options::of(S::OPTIONS))
@@ -184,8 +193,13 @@ impl<S: Scenario<N>, const N: usize> Simulation<S, N> {
         };
         let behind = S::FRONT_LIKE_BACK.then(|| mirror(0, world.grip().position.x));
         let mirrors: Vec<_> = iter::once(mirror(1, MIDDLE)).chain(behind).collect();
-        let mut owners = Owners::new();
-        scenario.observe(&layout, &world, &mut owners);
+        let permutations = if S::ALIKE {
+            let mut owners = Owners::new();
+            scenario.observe(&layout, &world, &mut owners);
+            owners.permutations().unwrap_or_else(|error| panic!("task `{}`: {error}", S::NAME))
+        } else {
+            Vec::new()
+        };
         let spec = EnvSpec {
             name: S::NAME.to_owned(),
             variant: options.to_string(),
@@ -195,7 +209,7 @@ impl<S: Scenario<N>, const N: usize> Simulation<S, N> {
             subtasks: S::SUBTASKS,
             tolerances: Tolerances { gripper: S::REACH_TOLERANCE, objects: [S::TOLERANCE; N] },
             mirrors,
-            permutations: if S::ALIKE { owners.permutations() } else { Vec::new() },
+            permutations,
         };
         Self { spec, options: options.clone(), scenario, world, layout }
     }
@@ -292,6 +306,12 @@ impl<S: Scenario<N>, const N: usize> Simulated<N> for Simulation<S, N> {
 
     fn options(&self) -> &Options {
         &self.options
+    }
+
+    fn places(&self) -> Places<N> {
+        let mut positions = Positions::new();
+        self.scenario.observe(&self.layout, &self.world, &mut positions);
+        positions.into_places()
     }
 
     fn things(&self) -> Vec<Thing> {

@@ -1,11 +1,17 @@
-//! The layout of observations, written once for their numbers, their width, their mirror image and
-//! what they are when objects trade places.
+//! The layout of observations, written once for their numbers, their width, their mirror image, what
+//! they are when objects trade places, and where positions are in them.
+
+mod owners;
+mod places;
+
+pub(crate) use owners::Owners;
+pub use places::Places;
+pub(crate) use places::Positions;
 
 use crate::sim::{Grip, Motion, STEP_SECONDS};
 use nalgebra::{RealField, UnitQuaternion, Vector3};
-use rher_core::env::{Permutation, SignedIndex};
+use rher_core::env::SignedIndex;
 use rher_core::goal::Position;
-use std::array;
 
 /// Which objects the next parts of an observation are about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,7 +31,17 @@ pub trait Sink {
     /// Only tasks with objects that are alike need say it.
     fn about(&mut self, _: Subject) {}
 
-    /// A point in the world frame, in metres.
+    /// The position of the gripper, in the world frame, in metres.
+    fn gripper(&mut self, position: Position) {
+        self.position(position);
+    }
+
+    /// The position of an object, by its place in relay order, in the world frame, in metres.
+    fn object(&mut self, _index: usize, position: Position) {
+        self.position(position);
+    }
+
+    /// Any other point in the world frame, in metres.
     fn position(&mut self, position: Position);
 
     /// A difference of points, or a velocity.
@@ -44,8 +60,8 @@ pub trait Sink {
 /// (3), its velocity relative to the gripper's (3), its angular velocity (3), the gripper's
 /// velocity (3), the fingers' (2). Metres and radians; velocities are per environment step.
 pub fn gripper_and_object(grip: &Grip, object: &Motion, out: &mut impl Sink) {
-    out.position(grip.position);
-    out.position(object.position);
+    out.gripper(grip.position);
+    out.object(0, object.position);
     out.vector(object.position - grip.position);
     out.fingers(grip.opening);
     turn_and_velocity(grip, object, out);
@@ -57,7 +73,7 @@ pub fn gripper_and_object(grip: &Grip, object: &Motion, out: &mut impl Sink) {
 /// Gripper (3), finger openings (2), 15 for each object ([`object_from_gripper`]), the gripper's
 /// velocity (3), the fingers' (2), first − second object (3).
 pub(crate) fn gripper_and_two_objects(grip: &Grip, objects: &[Motion; 2], out: &mut impl Sink) {
-    out.position(grip.position);
+    out.gripper(grip.position);
     out.fingers(grip.opening);
     for (index, object) in objects.iter().enumerate() {
         object_from_gripper(grip, index, object, out);
@@ -79,7 +95,7 @@ pub(crate) fn gripper_handle_and_block(
     gripper_and_object(grip, handle, out);
     out.vector(block.position - grip.position);
     turn_and_velocity(grip, block, out);
-    out.position(block.position);
+    out.object(1, block.position);
     out.vector(block.position - handle.position);
 }
 
@@ -89,7 +105,7 @@ pub(crate) fn gripper_handle_and_block(
 /// ([`object_from_gripper`]), the gripper's velocity (3), the fingers' (2), 15 for the third object,
 /// first − second, second − third, first − third object (9), and both velocities again (5).
 pub(crate) fn gripper_and_three_objects(grip: &Grip, objects: &[Motion; 3], out: &mut impl Sink) {
-    out.position(grip.position);
+    out.gripper(grip.position);
     out.fingers(grip.opening);
     object_from_gripper(grip, 0, &objects[0], out);
     object_from_gripper(grip, 1, &objects[1], out);
@@ -113,17 +129,17 @@ pub(crate) fn gripper_and_stack(grip: &Grip, objects: &[Motion; 3], out: &mut im
         turn_and_velocity(grip, object, out);
     }
     grip_velocity(grip, out);
-    out.position(grip.position);
+    out.gripper(grip.position);
     for (index, object) in objects.iter().enumerate() {
         out.about(Subject::Object(index));
-        out.position(object.position);
+        out.object(index, object.position);
     }
 }
 
 /// Writes the 10 numbers of `FetchReach`: gripper (3), finger openings (2), the gripper's velocity
 /// (3), the fingers' (2).
 pub(crate) fn gripper_alone(grip: &Grip, out: &mut impl Sink) {
-    out.position(grip.position);
+    out.gripper(grip.position);
     out.fingers(grip.opening);
     grip_velocity(grip, out);
 }
@@ -131,7 +147,7 @@ pub(crate) fn gripper_alone(grip: &Grip, out: &mut impl Sink) {
 /// Writes 15 numbers: object (3), object − gripper (3), [`turn_and_velocity`] (9).
 fn object_from_gripper(grip: &Grip, index: usize, object: &Motion, out: &mut impl Sink) {
     out.about(Subject::Object(index));
-    out.position(object.position);
+    out.object(index, object.position);
     out.vector(object.position - grip.position);
     turn_and_velocity(grip, object, out);
 }
@@ -160,8 +176,8 @@ fn grip_velocity(grip: &Grip, out: &mut impl Sink) {
 /// Writes the 13 numbers of the authors' `FetchInsert`: the fingers' tip (3), the place of the
 /// object (3), finger openings (2), the gripper's velocity (3), the fingers' (2).
 pub(crate) fn tip_and_place(tip: Position, place: Position, grip: &Grip, out: &mut impl Sink) {
-    out.position(tip);
-    out.position(place);
+    out.gripper(tip);
+    out.object(0, place);
     out.fingers(grip.opening);
     out.vector(grip.velocity * STEP_SECONDS);
     out.fingers(grip.opening_velocity.map(|v| v * STEP_SECONDS));
@@ -177,8 +193,8 @@ pub(crate) fn cue_and_object(
     chosen: Vector3<f32>,
     out: &mut impl Sink,
 ) {
-    out.position(tip.position);
-    out.position(object.position);
+    out.gripper(tip.position);
+    out.object(0, object.position);
     out.vector(object.position - tip.position);
     out.vector(tip.velocity * STEP_SECONDS);
     out.vector(object.velocity * STEP_SECONDS);
@@ -284,94 +300,5 @@ impl Sink for Reflections {
         // They open along y.
         let swapped = if self.axis == 1 { [first + 1, first] } else { [first, first + 1] };
         self.images.extend(swapped.map(|from| SignedIndex { from, sign: 1.0, offset: 0.0 }));
-    }
-}
-
-/// A [`Sink`] that learns what the observation is about, number by number.
-pub(crate) struct Owners {
-    now: Subject,
-    owners: Vec<Subject>,
-}
-
-impl Owners {
-    pub(crate) fn new() -> Self {
-        Self { now: Subject::Gripper, owners: Vec::new() }
-    }
-
-    /// Every other order of `N` objects, and what the observation is in it.
-    ///
-    /// Each object has the same numbers in the same order, and so has each two of them.
-    pub(crate) fn permutations<const N: usize>(&self) -> Vec<Permutation<N>> {
-        let orders = orders::<N>();
-        let image = |order: [usize; N]| Permutation {
-            order,
-            observation: (0..self.owners.len()).map(|index| self.image(index, &order)).collect(),
-        };
-        orders.into_iter().skip(1).map(image).collect()
-    }
-
-    fn image<const N: usize>(&self, index: usize, order: &[usize; N]) -> SignedIndex {
-        let owner = self.owners[index];
-        let place = self.owners[..index].iter().filter(|other| **other == owner).count();
-        let number = |wanted: Subject| {
-            let mut numbers = (0..self.owners.len()).filter(|&i| self.owners[i] == wanted);
-            numbers.nth(place)
-        };
-        let (from, sign) = match owner {
-            Subject::Gripper => (Some(index), 1.0),
-            Subject::Object(object) => (number(Subject::Object(order[object])), 1.0),
-            Subject::Between(one, other) => {
-                let (one, other) = (order[one], order[other]);
-                match number(Subject::Between(one, other)) {
-                    Some(from) => (Some(from), 1.0),
-                    None => (number(Subject::Between(other, one)), -1.0),
-                }
-            }
-        };
-        SignedIndex { from: from.unwrap_or(index), sign, offset: 0.0 }
-    }
-
-    fn add(&mut self, numbers: usize) {
-        self.owners.resize(self.owners.len() + numbers, self.now);
-    }
-}
-
-/// Every order of `N` objects, the first being theirs.
-fn orders<const N: usize>() -> Vec<[usize; N]> {
-    let mut orders = vec![array::from_fn(|object| object)];
-    for place in 0..N {
-        orders = orders
-            .iter()
-            .flat_map(|order| {
-                (place..N).map(|other| {
-                    let mut order = *order;
-                    order.swap(place, other);
-                    order
-                })
-            })
-            .collect();
-    }
-    orders
-}
-
-impl Sink for Owners {
-    fn about(&mut self, about: Subject) {
-        self.now = about;
-    }
-
-    fn position(&mut self, _: Position) {
-        self.add(3);
-    }
-
-    fn vector(&mut self, _: Vector3<f32>) {
-        self.add(3);
-    }
-
-    fn turn(&mut self, _: Vector3<f32>) {
-        self.add(3);
-    }
-
-    fn fingers(&mut self, _: [f32; 2]) {
-        self.add(2);
     }
 }
