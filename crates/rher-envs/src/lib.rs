@@ -30,9 +30,10 @@ mod simulation;
 mod task;
 pub mod tasks;
 pub mod thing;
+mod threads;
 
 pub use goals::{achieved_goal, reward_of_goals};
-pub use observation::{Sink, Subject, gripper_and_object};
+pub use observation::{Places, Sink, Subject, gripper_and_object};
 pub use options::{OptionError, OptionValue, Options, Randomize, TaskOption, TaskOptions};
 pub use pool::{AutoReset, Frames, Pool, PoolError};
 pub use sim::{

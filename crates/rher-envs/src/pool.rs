@@ -1,6 +1,7 @@
 //! Many environments of one task, stepped together.
 
 use crate::goals::achieved_goal;
+use crate::threads::Threads;
 use rayon::prelude::*;
 use rher_core::env::{Env, EnvError, EnvSpec, Start};
 use rher_core::goal::{Desired, EncodedGoal, Position};
@@ -24,7 +25,7 @@ pub enum AutoReset {
 ///
 /// What they see and get lies in one array for each kind of number, one row for each environment.
 /// A step allocates nothing but what the solver and the queue of the threads need, and the number
-/// of threads never changes a number.
+/// of threads never changes a number. A forked process starts its own threads at its first step.
 ///
 /// ```
 /// use rher_envs::{AutoReset, Pool, Simulation, tasks::Push};
@@ -41,7 +42,7 @@ pub struct Pool<E, const N: usize> {
     slots: Vec<Slot<E, N>>,
     spec: EnvSpec<N>,
     auto_reset: AutoReset,
-    threads: rayon::ThreadPool,
+    threads: Threads,
     now: Frames,
     last: Frames,
     rewards: Vec<f32>,
@@ -142,10 +143,8 @@ impl<E: Env<N>, const N: usize> Pool<E, N> {
     pub fn new(envs: Vec<E>, threads: usize, auto_reset: AutoReset) -> Result<Self, PoolError> {
         let count = envs.len();
         let spec = envs.first().ok_or(PoolError::Empty)?.spec().clone();
-        let threads = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .map_err(|source| PoolError::Threads { threads, source })?;
+        let threads =
+            Threads::new(threads).map_err(|source| PoolError::Threads { threads, source })?;
         let slot = |env| Slot { env, seed: 0, episodes: 0, running: None, failure: None };
         Ok(Self {
             slots: envs.into_iter().map(slot).collect(),
@@ -264,7 +263,10 @@ impl<E: Env<N>, const N: usize> Pool<E, N> {
         &mut self,
         work: impl Fn(usize, &mut Row<'_, E, N>) -> Result<(), EnvError> + Sync,
     ) -> Result<(), PoolError> {
-        let Self { slots, spec, now, last, rewards, successes, ended, clipped, .. } = self;
+        let Self { slots, spec, threads, now, last, rewards, successes, ended, clipped, .. } = self;
+        let count = threads.count();
+        let threads =
+            threads.here().map_err(|source| PoolError::Threads { threads: count, source })?;
         let (observation, goal) = (spec.obs_dim, 3 * N);
         let rows = (
             slots.par_iter_mut(),
@@ -280,7 +282,7 @@ impl<E: Env<N>, const N: usize> Pool<E, N> {
             clipped.par_iter_mut(),
         );
         let spec = &*spec;
-        self.threads.install(|| {
+        threads.install(|| {
             rows.into_par_iter().enumerate().for_each(|(env, row)| {
                 let (slot, a, b, c, d, e, f, reward, success, ended, clipped) = row;
                 let (now, last) = ((a, b, c), (d, e, f));

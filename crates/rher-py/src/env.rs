@@ -1,13 +1,11 @@
 //! One environment, stepped from Python.
 
-use crate::any_env::{self, AnyEnv, Frame};
-use crate::arrays::{doubles, read};
+use crate::any_env::{AnyEnv, Frame, Widths};
+use crate::arrays::{Rows, doubles, read};
 use crate::error::{InputError, StateError, told, unlocked};
+use crate::made::made_of;
 use crate::state::{Record, State};
-use numpy::{
-    AllowTypeChange, PyArray1, PyArray3, PyArrayDyn, PyArrayLikeDyn, PyArrayMethods as _,
-    PyUntypedArrayMethods as _,
-};
+use numpy::{PyArray1, PyArray3, PyArrayDyn, PyArrayMethods as _};
 use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple, PyType};
@@ -17,30 +15,6 @@ use rher_envs::{Options, Task};
 use std::num::NonZeroU16;
 use std::sync::{Mutex, MutexGuard, TryLockError};
 
-/// Names of the tasks, the simplest first.
-#[pyfunction]
-pub(crate) fn tasks() -> Vec<&'static str> {
-    Task::ALL.iter().map(|task| task.name()).collect()
-}
-
-/// An environment of the task and options that Python names.
-pub(crate) fn made_of(task: &str, options: &str) -> PyResult<(Task, Options, Box<dyn AnyEnv>)> {
-    let (task, options) = parse(task, options)?;
-    let env = any_env::build(task, &options).map_err(|error| InputError::new_err(told(&error)))?;
-    Ok((task, options, env))
-}
-
-/// The task and its options that Python names; `options` are JSON, all of them optional.
-pub(crate) fn parse(task: &str, options: &str) -> PyResult<(Task, Options)> {
-    let task: Task = task.parse().map_err(|error| InputError::new_err(told(&error)))?;
-    let options: Options = options
-        .parse()
-        .map_err(|error| InputError::new_err(format!("options of `{task}`: {error}")))?;
-    let options =
-        options.check(task.options()).map_err(|error| InputError::new_err(told(&error)))?;
-    Ok((task, options))
-}
-
 /// An environment of one task.
 ///
 /// All numbers go in and out as NumPy arrays; every array is a new one.
@@ -48,7 +22,7 @@ pub(crate) fn parse(task: &str, options: &str) -> PyResult<(Task, Options)> {
 pub(crate) struct Env {
     task: Task,
     options: Options,
-    widths: any_env::Widths,
+    widths: Widths,
     slot: Mutex<Slot>,
 }
 
@@ -197,34 +171,18 @@ impl Env {
         let env = guard.env.as_ref();
         let env = env.ok_or_else(|| StateError::new_err("the environment is closed"))?;
         let width = 3 * self.widths.objects;
-        let array = |what, goals: &Bound<'py, PyAny>| {
-            let array = goals.extract::<PyArrayLikeDyn<'py, f32, AllowTypeChange>>().ok();
-            let fits = |array: &PyArrayLikeDyn<'py, f32, AllowTypeChange>| {
-                array.shape().last() == Some(&width)
-            };
-            let array = array.filter(fits);
-            array.ok_or_else(|| {
-                InputError::new_err(format!(
-                    "{what} goals: expected an array of numbers of shape (..., {width}), got {goals}"
-                ))
-            })
-        };
-        let (achieved, desired) = (array("achieved", achieved)?, array("desired", desired)?);
-        if achieved.shape() != desired.shape() {
-            let (a, d) = (achieved.shape(), desired.shape());
+        let [achieved, desired] = [("achieved_goal", achieved), ("desired_goal", desired)]
+            .map(|(what, goals)| Rows::read(what, goals, width, "")?.finite(what));
+        let (achieved, desired) = (achieved?, desired?);
+        if achieved.batch != desired.batch {
+            let shape = |rows: &Rows| [rows.batch.as_slice(), &[width]].concat();
+            let (a, d) = (shape(&achieved), shape(&desired));
             return Err(InputError::new_err(format!(
-                "achieved goals have shape {a:?}, desired ones {d:?}: expected the same"
+                "achieved_goal has shape {a:?} and desired_goal {d:?}: expected the same shape"
             )));
         }
-        let numbers = |array: &PyArrayLikeDyn<'py, f32, AllowTypeChange>| match array.as_slice() {
-            Ok(slice) => slice.to_vec(),
-            Err(_) => array.as_array().iter().copied().collect(),
-        };
-        let shape = &achieved.shape()[..achieved.ndim() - 1];
-        let (achieved, desired) = (numbers(&achieved), numbers(&desired));
-        let env = env.as_ref();
-        let rewards = PyArray1::from_vec(py, env.rewards(&achieved, &desired));
-        rewards.reshape(shape.to_vec())
+        let rewards = env.rewards(&achieved.numbers, &desired.numbers);
+        PyArray1::from_vec(py, rewards).reshape(achieved.batch)
     }
 
     /// The moment of the episode that it is at.

@@ -1,9 +1,10 @@
 //! An environment that someone else wrote in Python, as the learner sees it.
 
 use crate::any_env::read as positions;
+use crate::arrays::read_as_is;
 use crate::error::{InputError, told};
 use crate::places::Places;
-use numpy::{AllowTypeChange, PyArray1, PyArrayLike1};
+use numpy::PyArray1;
 use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -41,6 +42,8 @@ pub(crate) struct Foreign<const N: usize> {
     desired: Desired<N>,
     /// Steps of this episode.
     step: usize,
+    /// What it returned last; kept to save allocations.
+    seen: Seen,
     raised: Raised,
 }
 
@@ -54,8 +57,6 @@ enum ForeignError {
              as many steps"
     )]
     EndedEarly { step: usize, expected: usize },
-    #[error("`{key}` of its observation has {got} numbers, expected {expected}")]
-    Width { key: &'static str, got: usize, expected: usize },
 }
 
 impl<const N: usize> Foreign<N> {
@@ -71,47 +72,22 @@ impl<const N: usize> Foreign<N> {
         };
         let desired = Desired::of_task(positions(&vec![0.0; 3 * N]));
         let gripper = places.gripper;
-        Ok(Self { env, spec, gripper, is_reach, desired, step: 0, raised })
+        Ok(Self { env, spec, gripper, is_reach, desired, step: 0, seen: Seen::default(), raised })
     }
 
-    /// Calls Python, and keeps what it raises.
-    fn call<T>(&self, work: impl FnOnce(Python<'_>) -> PyResult<T>) -> Result<T, EnvError> {
-        Python::attach(|py| {
-            work(py).map_err(|error| {
-                let text = error.to_string();
-                let mut raised = self.raised.lock().unwrap_or_else(PoisonError::into_inner);
-                *raised = Some(error);
-                EnvError::new(ForeignError::Raised(text))
-            })
-        })
-    }
-
-    /// What the dictionary `seen` says: the observation, and the goals.
-    fn scene(
-        &self,
-        seen: &Seen,
-        observation: &mut [f32],
-    ) -> Result<(Achieved<N>, Desired<N>), EnvError> {
-        for (key, numbers, expected) in [
-            ("observation", &seen.observation, observation.len()),
-            ("achieved_goal", &seen.achieved, 3 * N),
-            ("desired_goal", &seen.desired, 3 * N),
-        ] {
-            let got = numbers.len();
-            if got != expected {
-                return Err(EnvError::new(ForeignError::Width { key, got, expected }));
-            }
-        }
-        observation.copy_from_slice(&seen.observation);
-        let desired = positions(&seen.desired);
+    /// What Python returned last: the observation, and the goals.
+    fn scene(&self, observation: &mut [f32]) -> (Achieved<N>, Desired<N>) {
+        observation.copy_from_slice(&self.seen.observation);
+        let desired = positions(&self.seen.desired);
         let [gripper] = positions::<1>(&observation[self.gripper..]);
         // What is to be reached stays where it is.
-        let objects = if self.is_reach { desired } else { positions(&seen.achieved) };
-        Ok((Achieved(Scene { gripper, objects }), Desired::of_task(desired)))
+        let objects = if self.is_reach { desired } else { positions(&self.seen.achieved) };
+        (Achieved(Scene { gripper, objects }), Desired::of_task(desired))
     }
 }
 
 /// A dictionary of observations, copied.
+#[derive(Default)]
 struct Seen {
     observation: Vec<f32>,
     achieved: Vec<f32>,
@@ -119,17 +95,18 @@ struct Seen {
 }
 
 impl Seen {
-    fn of(dict: &Bound<'_, PyAny>) -> PyResult<Self> {
+    /// Reads the dictionary; `obs_dim` and `goal_dim` are the widths that it must have.
+    fn read(&mut self, dict: &Bound<'_, PyAny>, obs_dim: usize, goal_dim: usize) -> PyResult<()> {
         let py = dict.py();
-        let numbers = |key: &Bound<'_, _>| -> PyResult<Vec<f32>> {
-            let array: PyArrayLike1<'_, f32, AllowTypeChange> = dict.get_item(key)?.extract()?;
-            Ok(array.as_array().iter().copied().collect())
-        };
-        Ok(Self {
-            observation: numbers(intern!(py, "observation"))?,
-            achieved: numbers(intern!(py, "achieved_goal"))?,
-            desired: numbers(intern!(py, "desired_goal"))?,
-        })
+        for (key, out, width) in [
+            (intern!(py, "observation"), &mut self.observation, obs_dim),
+            (intern!(py, "achieved_goal"), &mut self.achieved, goal_dim),
+            (intern!(py, "desired_goal"), &mut self.desired, goal_dim),
+        ] {
+            let what = key.to_str()?;
+            read_as_is(what, &dict.get_item(key)?, &[width], out)?;
+        }
+        Ok(())
     }
 }
 
@@ -141,32 +118,42 @@ impl<const N: usize> Env<N> for Foreign<N> {
     fn reset(&mut self, seed: u64, observation: &mut [f32]) -> Result<Start<N>, EnvError> {
         // Some environments take no larger seeds.
         let seed = seed & 0x7fff_ffff;
-        let seen = self.call(|py| {
+        let Self { env, seen, raised, .. } = self;
+        call(raised, |py| {
             let arguments = PyDict::new(py);
             arguments.set_item(intern!(py, "seed"), seed)?;
-            let env = self.env.bind(py);
-            let result = env.call_method(intern!(py, "reset"), (), Some(&arguments))?;
-            Seen::of(&result.get_item(0)?)
+            let result = env.bind(py).call_method(intern!(py, "reset"), (), Some(&arguments))?;
+            seen.read(&result.get_item(0)?, observation.len(), 3 * N)
         })?;
-        let (achieved, desired) = self.scene(&seen, observation)?;
+        let (achieved, desired) = self.scene(observation);
         (self.desired, self.step) = (desired, 0);
         Ok(Start { achieved, desired })
     }
 
     fn step(&mut self, action: &[f32], observation: &mut [f32]) -> Result<Achieved<N>, EnvError> {
-        let (seen, ended) = self.call(|py| {
-            let env = self.env.bind(py);
+        let Self { env, seen, raised, .. } = self;
+        let ended = call(raised, |py| {
             let action = PyArray1::from_slice(py, action);
-            let result = env.call_method1(intern!(py, "step"), (action,))?;
-            let ended = result.get_item(2)?.is_truthy()? || result.get_item(3)?.is_truthy()?;
-            Ok((Seen::of(&result.get_item(0)?)?, ended))
+            let result = env.bind(py).call_method1(intern!(py, "step"), (action,))?;
+            seen.read(&result.get_item(0)?, observation.len(), 3 * N)?;
+            Ok(result.get_item(2)?.is_truthy()? || result.get_item(3)?.is_truthy()?)
         })?;
         self.step += 1;
         let (step, expected) = (self.step, self.spec.episode_steps);
         if ended && step < expected {
             return Err(EnvError::new(ForeignError::EndedEarly { step, expected }));
         }
-        let (achieved, _) = self.scene(&seen, observation)?;
-        Ok(achieved)
+        Ok(self.scene(observation).0)
     }
+}
+
+/// Calls Python, and keeps what it raises.
+fn call<T>(raised: &Raised, work: impl FnOnce(Python<'_>) -> PyResult<T>) -> Result<T, EnvError> {
+    Python::attach(|py| {
+        work(py).map_err(|error| {
+            let text = error.to_string();
+            *raised.lock().unwrap_or_else(PoisonError::into_inner) = Some(error);
+            EnvError::new(ForeignError::Raised(text))
+        })
+    })
 }

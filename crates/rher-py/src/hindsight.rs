@@ -1,7 +1,7 @@
-//! What the comparison with other packages measures: drawing relabelled samples.
+//! What `tools/compare.py` measures: the drawing of relabeled samples.
 
-use crate::env::parse;
 use crate::error::{InputError, InternalError, told, unlocked};
+use crate::made::parse;
 use pyo3::prelude::*;
 use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
@@ -16,8 +16,8 @@ use rher_core::seed::{Purpose, Seed};
 use rher_envs::{EnvVisitor, Simulated};
 use std::sync::{Mutex, PoisonError};
 
-/// A replay of random episodes, as training has it with the preset `paper`: no sample is mirrored,
-/// as none is elsewhere.
+/// A replay of random episodes, with the settings of the preset `paper`: no sample is mirrored,
+/// since the other packages mirror none.
 #[pyclass(frozen, module = "rher._rher")]
 pub(crate) struct Hindsight(Mutex<Box<dyn Sampler>>);
 
@@ -33,8 +33,8 @@ impl Hindsight {
         Ok(Self(Mutex::new(sampler)))
     }
 
-    /// Draws `batches` of `rows` samples of the last sub-task, relabelled, normalised and as the
-    /// networks take them; returns how many of them are rewarded.
+    /// Draws `batches` of `rows` samples of the last sub-task, relabeled, normalized and encoded
+    /// for the networks; returns how many of them are rewarded.
     fn sample(&self, py: Python<'_>, batches: usize, rows: usize) -> PyResult<usize> {
         unlocked(py, || {
             let mut sampler = self.0.lock().unwrap_or_else(PoisonError::into_inner);

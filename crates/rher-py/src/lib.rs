@@ -13,9 +13,11 @@ mod env;
 mod error;
 mod foreign;
 mod hindsight;
+mod made;
 mod places;
 mod policy;
 mod state;
+mod threads;
 mod train;
 mod vector;
 
@@ -25,9 +27,11 @@ use pyo3::prelude::*;
 #[pymodule]
 mod _rher {
     #[pymodule_export]
-    use super::env::{Env, tasks};
+    use super::env::Env;
     #[pymodule_export]
     use super::hindsight::Hindsight;
+    #[pymodule_export]
+    use super::made::tasks;
     #[pymodule_export]
     use super::policy::Policy;
     #[pymodule_export]

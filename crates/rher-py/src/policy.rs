@@ -1,12 +1,10 @@
 //! A trained policy, called from Python.
 
 use crate::any_env::read as positions;
+use crate::arrays::Rows;
 use crate::error::{FileError, InputError, PolicyError, told, unlocked};
 use crate::places::Places;
-use numpy::{
-    AllowTypeChange, PyArray1, PyArrayDyn, PyArrayLikeDyn, PyArrayMethods as _,
-    PyUntypedArrayMethods as _,
-};
+use numpy::{PyArray1, PyArrayDyn, PyArrayMethods as _};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyType};
 use rher_core::env::EnvSpec;
@@ -113,29 +111,34 @@ impl Policy {
             None => Ok(None),
         };
         let (goal_of_dict, achieved) = (item("desired_goal")?, item("achieved_goal")?);
+        let read = |what, array: &Bound<'py, PyAny>, width| {
+            Rows::read(what, array, width, ": is the policy for another task?")?.finite(what)
+        };
         let numbers = item("observation")?;
-        let (shape, observations) =
-            rows("observation", numbers.as_ref().unwrap_or(observation), width)?;
+        let Rows { batch, numbers: observations } =
+            read("observation", numbers.as_ref().unwrap_or(observation), width)?;
         let Some(goal) = goal.or(goal_of_dict.as_ref()) else {
             return Err(InputError::new_err(
                 "a goal is missing: expected policy(observation, goal)",
             ));
         };
-        let (goal_shape, goals) = rows("goal", goal, 3 * objects)?;
-        let achieved =
-            achieved.map(|goal| rows("achieved_goal", &goal, 3 * objects)).transpose()?;
-        let shapes = [Some(&goal_shape), achieved.as_ref().map(|(shape, _)| shape)];
-        if shapes.into_iter().flatten().any(|other| *other != shape) {
-            return Err(InputError::new_err(format!(
-                "there are observations of batch shape {shape:?} and goals of {goal_shape:?}: \
-                 expected the same"
-            )));
-        }
-        let rows = Rows { observations, goals, achieved: achieved.map(|(_, numbers)| numbers) };
+        let goals_of = |what, goals: &Bound<'py, PyAny>| {
+            let goals = read(what, goals, 3 * objects)?;
+            if goals.batch != batch {
+                return Err(InputError::new_err(format!(
+                    "observation has rows of shape {batch:?} and {what} of {:?}: expected the same",
+                    goals.batch
+                )));
+            }
+            Ok(goals.numbers)
+        };
+        let goals = goals_of("goal", goal)?;
+        let achieved = achieved.map(|goals| goals_of("achieved_goal", &goals)).transpose()?;
+        let given = Given { observations, goals, achieved };
         let actions = unlocked(py, || match objects {
-            1 => self.act::<1>(&rows),
-            2 => self.act::<2>(&rows),
-            _ => self.act::<3>(&rows),
+            1 => self.act::<1>(&given),
+            2 => self.act::<2>(&given),
+            _ => self.act::<3>(&given),
         })?;
         let actions = actions.ok_or_else(|| {
             InputError::new_err(
@@ -143,7 +146,7 @@ impl Policy {
                  the environment returns",
             )
         })?;
-        let shape = [shape, vec![action]].concat();
+        let shape = [batch, vec![action]].concat();
         PyArray1::from_vec(py, actions).reshape(shape)
     }
 
@@ -157,7 +160,7 @@ impl Policy {
 }
 
 /// What a batch of actions is chosen by.
-struct Rows {
+struct Given {
     observations: Vec<f32>,
     goals: Vec<f32>,
     /// None to find it in the observations.
@@ -166,21 +169,21 @@ struct Rows {
 
 impl Policy {
     /// The actions of the last sub-task, or None if something is not in the observations.
-    fn act<const N: usize>(&self, rows: &Rows) -> Option<Vec<f32>> {
+    fn act<const N: usize>(&self, given: &Given) -> Option<Vec<f32>> {
         let PolicyInfo { subtasks, obs_dim: observation, action_dim: action, .. } =
             *self.policy.info();
         let stage = Stage::<N>::from_index(subtasks - 1)?;
-        let count = rows.observations.len() / observation;
+        let count = given.observations.len() / observation;
         let mut actions = vec![0.0; count * action];
         let spec =
             EnvSpec::<N>::new("", self.policy.info().obs_dim, self.policy.info().action_dim, 1);
         let mut actor = self.policy.actor(&spec).ok()?;
         for (row, action) in actions.chunks_exact_mut(action).enumerate() {
-            let observation = &rows.observations[row * observation..(row + 1) * observation];
+            let observation = &given.observations[row * observation..(row + 1) * observation];
             let goal = row * 3 * N..(row + 1) * 3 * N;
-            let desired = positions::<N>(&rows.goals[goal.clone()]);
+            let desired = positions::<N>(&given.goals[goal.clone()]);
             let at = |place: usize| positions::<1>(&observation[place..place + 3])[0];
-            let objects = match (stage.leg(), &rows.achieved, &self.places.objects) {
+            let objects = match (stage.leg(), &given.achieved, &self.places.objects) {
                 // What is to be reached stays where it is.
                 (Leg::Reach, _, _) => desired,
                 (Leg::Place, Some(achieved), _) => positions::<N>(&achieved[goal]),
@@ -191,34 +194,5 @@ impl Policy {
             actor.act(stage, observation, &scene, &Desired::of_task(desired), action).ok()?;
         }
         Some(actions)
-    }
-}
-
-/// The numbers of one row or of a batch, and the shape of the batch.
-fn rows(what: &str, array: &Bound<'_, PyAny>, width: usize) -> PyResult<(Vec<usize>, Vec<f32>)> {
-    let found: Option<PyArrayLikeDyn<'_, f32, AllowTypeChange>> = array.extract().ok();
-    let Some(found) = found else {
-        let found = array.get_type();
-        return Err(InputError::new_err(format!(
-            "{what}: expected an array of numbers, got {found}"
-        )));
-    };
-    let shape = found.shape();
-    let batch = match shape {
-        [batch @ .., last] if *last == width => batch.to_vec(),
-        _ => {
-            return Err(InputError::new_err(format!(
-                "{what} has shape {shape:?}, expected ({width},) or (batch, {width}): is the \
-                 policy for another task?"
-            )));
-        }
-    };
-    let numbers: Vec<f32> = found.as_array().iter().copied().collect();
-    match numbers.iter().position(|x| !x.is_finite()) {
-        Some(index) => {
-            let number = numbers[index];
-            Err(InputError::new_err(format!("number {index} of {what} is {number}")))
-        }
-        None => Ok((batch, numbers)),
     }
 }

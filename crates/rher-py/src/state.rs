@@ -1,8 +1,8 @@
 //! A moment of an episode that an environment can return to.
 
 use crate::any_env::{AnyEnv, Snapshot};
-use crate::env::made_of;
 use crate::error::{InputError, told, unlocked};
+use crate::made::made_of;
 use pyo3::prelude::*;
 use pyo3::types::{PyTuple, PyType};
 use std::sync::{Mutex, PoisonError};

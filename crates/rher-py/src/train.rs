@@ -7,6 +7,7 @@ use crate::error::{
 };
 use crate::foreign::{About, Foreign, Raised};
 use crate::policy::Policy;
+use crate::threads::allowed;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyType};
 use rher_core::config::{Method, Preset};
@@ -23,7 +24,6 @@ use rher_runs::{
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::error::Error;
-use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
@@ -184,8 +184,12 @@ impl Trainer {
 
     /// Gives the folder free; the trainer cannot be used any more.
     fn close(&self) -> PyResult<()> {
-        *self.lock()? = None;
-        Ok(())
+        match self.lock()?.take() {
+            Some(Session { folder, .. }) => {
+                folder.close().map_err(|error| FileError::new_err(told(&error)))
+            }
+            None => Ok(()),
+        }
     }
 
     /// Trains until the end of the run: `solved`, `steps-spent`.
@@ -386,12 +390,12 @@ fn on_foreign(
     trainer.map_err(|error| from_train(&error, None))
 }
 
-/// As many threads as were asked for, or as there are cores.
+/// As many threads as were asked for, or as this process may use.
 fn threads(asked: Option<usize>) -> PyResult<usize> {
     match asked {
         Some(0) => Err(InputError::new_err("workers is 0, expected at least 1")),
         Some(workers) => Ok(workers),
-        None => Ok(std::thread::available_parallelism().map_or(1, NonZeroUsize::get)),
+        None => Ok(allowed()),
     }
 }
 

@@ -3,8 +3,9 @@
 use crate::any_env::Widths;
 use crate::any_pool::{self, AnyPool};
 use crate::arrays::{as_doubles, read};
-use crate::env::{made_of, parse};
 use crate::error::{InputError, StateError, told, unlocked};
+use crate::made::{made_of, parse};
+use crate::threads::allowed;
 use numpy::{PyArray1, PyArray2, PyArrayMethods as _};
 use pyo3::intern;
 use pyo3::prelude::*;
@@ -76,15 +77,15 @@ fn unwritable(error: numpy::BorrowError) -> PyErr {
 
 #[pymethods]
 impl VectorEnv {
-    /// `envs` environments of `task` on as many `threads`; with `copy`, every step makes new
-    /// arrays.
+    /// `envs` environments of `task`, stepped by `threads` or by as many as this process may use,
+    /// at most one for each environment; with `copy`, every step makes new arrays.
     #[new]
     fn new(
         py: Python<'_>,
         task: &str,
         options: &str,
         envs: usize,
-        threads: usize,
+        threads: Option<usize>,
         auto_reset: &str,
         copy: bool,
     ) -> PyResult<Self> {
@@ -102,6 +103,7 @@ impl VectorEnv {
         let (widths, pool) = unlocked(py, || {
             let (_, _, one) = made_of(task, options)?;
             let (task, options) = parse(task, options)?;
+            let threads = threads.unwrap_or_else(allowed).min(envs);
             let pool = any_pool::build(task, &options, envs, threads, auto_reset);
             let pool = pool.map_err(|error| invalid(&error))?.map_err(|error| invalid(&error))?;
             PyResult::Ok((one.widths(), pool))

@@ -101,7 +101,7 @@ def lose_track(seen):
         (fall_over, "the robot fell over"),
         (lose_track, "NaN in observation"),
         (lambda seen: (seen, True), "ended its episode after 7 steps, expected 25"),
-        (lambda seen: (seen | {"achieved_goal": np.zeros(2)}, False), "2 numbers, expected 3"),
+        (lambda seen: (seen | {"achieved_goal": np.zeros(2)}, False), r"achieved_goal has shape \[2\], expected \[3\]"),
         (lambda seen: ({}, False), "KeyError"),
         (lambda seen: (None, False), "NoneType"),
     ],

@@ -7,6 +7,7 @@ use rher_core::files::{self, FileError};
 use rher_core::train::checkpoint::{self, CheckpointError, POLICY_FILE};
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
+use std::process;
 
 /// The settings of a run.
 pub const CONFIG_FILE: &str = "config.toml";
@@ -20,7 +21,9 @@ const LOCK_FILE: &str = ".lock";
 #[derive(Debug)]
 pub struct RunDir {
     path: PathBuf,
-    _lock: File,
+    lock: File,
+    /// The process that holds the lock: a forked one only has a copy of it.
+    process: u32,
 }
 
 impl RunDir {
@@ -57,10 +60,20 @@ impl RunDir {
         let lock_path = path.join(LOCK_FILE);
         let lock = File::create(&lock_path).map_err(FileError::write(&lock_path))?;
         match lock.try_lock() {
-            Ok(()) => Ok(Self { path: path.to_owned(), _lock: lock }),
+            Ok(()) => Ok(Self { path: path.to_owned(), lock, process: process::id() }),
             Err(TryLockError::WouldBlock) => Err(RunDirError::InUse { path: path.to_owned() }),
             Err(TryLockError::Error(error)) => Err(FileError::write(&lock_path)(error).into()),
         }
+    }
+
+    /// Gives the lock back although forked processes may still have copies of it; does nothing in a
+    /// forked process itself.
+    pub fn close(self) -> Result<(), WriteError> {
+        let Self { path, lock, process } = self;
+        if process != process::id() {
+            return Ok(());
+        }
+        lock.unlock().map_err(|source| WriteError { path, source })
     }
 
     /// Where it is.
