@@ -117,6 +117,7 @@ def test_rewards_of_goals_can_be_computed():
     [
         ({"envs": 0}, "num_envs is 0"),
         ({"threads": 0}, "threads is 0"),
+        ({"render_mode": "rgb_array"}, "render_mode is 'rgb_array', expected None"),
         ({"mode": "Whenever"}, "expected NextStep, SameStep, Disabled"),
         ({"max_episode_steps": 7}, "have 50 steps"),
         ({"randomize": {"mass": 1}}, "options of `push`"),

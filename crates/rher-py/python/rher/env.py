@@ -8,6 +8,7 @@ import numpy as np
 from gymnasium import spaces
 
 from rher import _rher
+from rher._arguments import table, text, whole
 from rher.errors import InputError
 
 __all__ = ["IDS", "TaskEnv"]
@@ -34,11 +35,8 @@ FAR = 100.0
 
 
 def options_as_json(options: dict[str, Any] | None, randomize: dict[str, Any] | None) -> str:
-    """What is set about a task, in the words of the compiled half."""
-    try:
-        return json.dumps({"task": options or {}, "randomize": randomize or {}})
-    except TypeError as error:
-        raise InputError(f"options hold something that is not a number: {error}") from error
+    """The options of a task, as the compiled half reads them."""
+    return json.dumps({"task": table("options", options), "randomize": table("randomize", randomize)})
 
 
 def spaces_of(env: "_rher.Env") -> tuple[spaces.Dict, spaces.Box]:
@@ -58,15 +56,9 @@ def spaces_of(env: "_rher.Env") -> tuple[spaces.Dict, spaces.Box]:
     return observation, spaces.Box(-1.0, 1.0, (env.action_width,), np.float32)
 
 
-def as_seed(seed: int | None) -> int | None:
-    """``seed``, if it can be one."""
-    if seed is None:
-        return None
-    if isinstance(seed, (bool, np.bool_)) or not isinstance(seed, (int, np.integer)):
-        raise InputError(f"seed is {seed!r}, expected a whole number")
-    if not 0 <= seed < 2**64:
-        raise InputError(f"seed is {seed}, expected 0 to 2**64 - 1")
-    return int(seed)
+def as_seed(seed: Any) -> int | None:
+    """``seed`` as an ``int``."""
+    return None if seed is None else whole("seed", seed, 0, 2**64 - 1)
 
 
 class TaskEnv(gymnasium.Env):
@@ -103,12 +95,9 @@ class TaskEnv(gymnasium.Env):
     ) -> None:
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise InputError(f"render_mode is {render_mode!r}, expected 'rgb_array'")
-        for name, pixels in [("width", width), ("height", height)]:
-            if not isinstance(pixels, (int, np.integer)) or not 1 <= pixels <= 4096:
-                raise InputError(f"{name} is {pixels!r}, expected 1 to 4096 pixels")
         self.render_mode = render_mode
-        self.width, self.height = int(width), int(height)
-        self._env = _rher.Env(task, options_as_json(options, randomize))
+        self.width, self.height = whole("width", width, 1, 4096), whole("height", height, 1, 4096)
+        self._env = _rher.Env(text("task", task), options_as_json(options, randomize))
         self.observation_space, self.action_space = spaces_of(self._env)
 
     @property
@@ -189,6 +178,8 @@ class TaskEnv(gymnasium.Env):
 
         What follows is bitwise what followed there.
         """
+        if not isinstance(state, _rher.State):
+            raise InputError(f"state is {state!r}, expected what get_state returned")
         return self._env.set_state(state)
 
     def render(self) -> np.ndarray | None:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from rher import _rher
+from rher._arguments import path as as_path
 from rher.errors import FileError
 
 __all__ = ["Run"]
@@ -20,7 +21,7 @@ class Run:
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
-        self.path = Path(path)
+        self.path = Path(as_path("path", path))
         if not (self.path / "config.toml").is_file():
             raise FileError(f"`{self.path}` holds no run: there is no `config.toml` in it")
 

@@ -10,8 +10,9 @@ import numpy as np
 from gymnasium import spaces
 
 from rher import _rher
-from rher.env import as_seed
-from rher.errors import EnvError, InputError, SettingsError
+from rher._arguments import path as as_path
+from rher._arguments import real, table, text, whole
+from rher.errors import EnvError, InputError
 from rher.run import Run
 
 __all__ = ["Trainer", "resume", "train"]
@@ -56,7 +57,9 @@ def train(
     :return: the run.
     """
     arguments = _arguments(seed, preset, set, config, method, env_steps, until)
-    trainer = _rher.Trainer.of_task(task, arguments, out, workers)
+    trainer = _rher.Trainer.of_task(
+        text("task", task), arguments, _folder("out", out), _workers(workers)
+    )
     return _to_the_end(trainer, None, None, on_event)
 
 
@@ -77,7 +80,7 @@ def resume(
     :param on_event: as in :func:`rher.train`.
     :return: the run.
     """
-    trainer = _rher.Trainer.resumed(path, None, workers)
+    trainer = _rher.Trainer.resumed(as_path("path", path), None, _workers(workers))
     return _to_the_end(trainer, env_steps, until, on_event)
 
 
@@ -86,7 +89,7 @@ def _to_the_end(
 ) -> Run:
     """Trains, and gives the folder free whatever happens."""
     try:
-        trainer.learn(env_steps, until, on_event)
+        _learn(trainer, env_steps, until, on_event)
         return Run(trainer.folder)
     finally:
         trainer.close()
@@ -141,9 +144,13 @@ class Trainer:
         about = json.dumps(_about(env, objects, gripper, tolerance, episode_steps, name))
         if resume is None:
             arguments = _arguments(seed, preset, set, config, method, env_steps, until)
-            self._trainer = _rher.Trainer.of_env(env, about, arguments, out, workers)
+            self._trainer = _rher.Trainer.of_env(
+                env, about, arguments, _folder("out", out), _workers(workers)
+            )
         else:
-            self._trainer = _rher.Trainer.resumed(resume, (env, about), workers)
+            self._trainer = _rher.Trainer.resumed(
+                as_path("resume", resume), (env, about), _workers(workers)
+            )
 
     @property
     def policy(self) -> "_rher.Policy":
@@ -172,7 +179,7 @@ class Trainer:
         everything before that episode saved. Ctrl-C is as in :func:`rher.train`, and so are the
         parameters.
         """
-        self._trainer.learn(env_steps, until, on_event)
+        _learn(self._trainer, env_steps, until, on_event)
         return self.run
 
     def close(self) -> None:
@@ -196,19 +203,43 @@ def _arguments(
     until: float | None,
 ) -> str:
     """What a run is asked to do, as JSON."""
-    arguments = {
-        "preset": preset,
-        "config": None if config is None else os.fspath(config),
-        "set": dict(set or {}),
-        "method": method,
-        "seed": as_seed(seed),
-        "env_steps": env_steps,
-        "until": until,
-    }
-    try:
-        return json.dumps(arguments)
-    except TypeError as error:
-        raise SettingsError(f"settings hold something that TOML does not know: {error}") from error
+    return json.dumps(
+        {
+            "preset": None if preset is None else text("preset", preset),
+            "config": _folder("config", config),
+            "set": table("set", set),
+            "method": None if method is None else text("method", method),
+            # Settings files have no larger numbers.
+            "seed": whole("seed", seed, 0, 2**63 - 1),
+            "env_steps": _env_steps(env_steps),
+            "until": _until(until),
+        }
+    )
+
+
+def _learn(
+    trainer: "_rher.Trainer", env_steps: int | None, until: float | None, on_event: OnEvent | None
+) -> None:
+    """Trains until the end of the run."""
+    if on_event is not None and not callable(on_event):
+        raise InputError(f"on_event is {on_event!r}, expected a function")
+    trainer.learn(_env_steps(env_steps), _until(until), on_event)
+
+
+def _env_steps(env_steps: Any) -> int | None:
+    return None if env_steps is None else whole("env_steps", env_steps, 0, 2**63 - 1)
+
+
+def _until(until: Any) -> float | None:
+    return None if until is None else real("until", until, 0.0, 1.0)
+
+
+def _workers(workers: Any) -> int | None:
+    return None if workers is None else whole("workers", workers, 1, 2**16)
+
+
+def _folder(name: str, folder: Any) -> str | None:
+    return None if folder is None else as_path(name, folder)
 
 
 def _about(
@@ -220,8 +251,7 @@ def _about(
     name: str | None,
 ) -> dict[str, Any]:
     """What the learner needs to know about an environment; checks that it can be learned."""
-    if objects not in range(4):
-        raise InputError(f"objects is {objects!r}, expected 0 to 3")
+    objects = whole("objects", objects, 0, 3)
     observation_space, action_space = env.observation_space, env.action_space
     keys = ("observation", "achieved_goal", "desired_goal")
     if not isinstance(observation_space, spaces.Dict) or not all(
@@ -244,21 +274,23 @@ def _about(
             f"the action space is {action_space}, expected -1 to 1: "
             "gymnasium.wrappers.RescaleAction makes it so"
         )
+    if not isinstance(gripper, slice):
+        raise InputError(f"gripper is {gripper!r}, expected a slice such as slice(0, 3)")
     first, last, step = gripper.indices(width)
     if step != 1 or last - first != 3:
         raise InputError(f"gripper is {gripper}, expected three numbers of the {width} observed")
     if episode_steps is None:
         episode_steps = env.spec.max_episode_steps if env.spec is not None else None
-    if not isinstance(episode_steps, int) or episode_steps < 1:
-        raise InputError(f"episode_steps is {episode_steps!r}, expected how many steps episodes have")
+    episode_steps = whole("episode_steps", episode_steps, 1, 2**31 - 1)
     if tolerance is None:
-        tolerance = float(getattr(env.unwrapped, "distance_threshold", 0.05))
-    if not 0 < tolerance < np.inf:
-        raise InputError(f"tolerance is {tolerance}, expected metres")
+        tolerance = getattr(env.unwrapped, "distance_threshold", 0.05)
+    tolerance = real("tolerance", tolerance, 0.0, float(np.finfo(np.float32).max))
+    if tolerance == 0:
+        raise InputError("tolerance is 0.0, expected a distance in meters")
     if name is None:
         name = env.spec.id if env.spec is not None else type(env.unwrapped).__name__
     return {
-        "name": name.replace("/", "-"),
+        "name": text("name", name).replace("/", "-"),
         "objects": objects,
         "observation": width,
         "action": action_space.shape[0],

@@ -1,6 +1,5 @@
 """Many environments of one task, stepped together in Rust."""
 
-import os
 from collections.abc import Sequence
 from typing import Any
 
@@ -9,6 +8,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from rher import _rher
+from rher._arguments import whole
 from rher.env import TaskEnv, as_seed, options_as_json, spaces_of
 from rher.errors import InputError
 
@@ -47,18 +47,19 @@ class TaskVectorEnv(VectorEnv):
         render_mode: str | None = None,
     ) -> None:
         if render_mode is not None:
-            raise InputError(f"render_mode is {render_mode!r}, but environments together have none")
-        threads = os.cpu_count() or 1 if threads is None else threads
-        for name, count in [("num_envs", num_envs), ("threads", threads)]:
-            if not isinstance(count, (int, np.integer)) or count < 1:
-                raise InputError(f"{name} is {count!r}, expected a whole number, at least 1")
+            raise InputError(
+                f"render_mode is {render_mode!r}, expected None: environments that are stepped "
+                "together draw no pictures. gymnasium.make_vec(..., vectorization_mode=\"sync\") does"
+            )
+        self.num_envs = whole("num_envs", num_envs, 1, 2**31 - 1)
+        if threads is not None:
+            threads = whole("threads", threads, 1, 2**16)
         try:
             self.autoreset_mode = AutoresetMode(autoreset_mode)
         except ValueError:
             modes = ", ".join(mode.value for mode in AutoresetMode)
             raise InputError(f"autoreset_mode is {autoreset_mode!r}, expected {modes}") from None
         self.metadata = {"render_modes": [], "autoreset_mode": self.autoreset_mode}
-        self.num_envs = int(num_envs)
         one = TaskEnv(task, options=options, randomize=randomize)
         if max_episode_steps not in (None, one.episode_steps):
             raise InputError(
@@ -73,7 +74,7 @@ class TaskVectorEnv(VectorEnv):
             task,
             options_as_json(options, randomize),
             self.num_envs,
-            int(threads),
+            threads,
             self.autoreset_mode.value,
             copy,
         )
@@ -109,9 +110,10 @@ class TaskVectorEnv(VectorEnv):
             if self._envs.is_seeded:
                 return self._envs.reset()
             return self._envs.reset(self.np_random.integers(2**63, size=self.num_envs).tolist())
-        if isinstance(seed, (int, np.integer)):
-            super().reset(seed=as_seed(seed))
-            return self._envs.reset([as_seed(int(seed) + row) for row in range(self.num_envs)])
+        if np.ndim(seed) == 0:
+            first = whole("seed", seed, 0, 2**64 - self.num_envs)
+            super().reset(seed=first)
+            return self._envs.reset(list(range(first, first + self.num_envs)))
         seeds = [as_seed(one) for one in seed]
         if len(seeds) != self.num_envs or None in seeds:
             raise InputError(f"there are seeds {seeds}, expected one for each of {self.num_envs}")
