@@ -19,6 +19,8 @@ fn pytest_passes() {
     let pip = ["-m", "pip", "install", "--quiet", "--force-reinstall", "--no-deps"];
     let mut install = Command::new(python);
     install.args(pip).arg("--no-build-isolation").arg(&package).env("PATH", path(python));
+    // The comparison is tested, too.
+    install.arg("--config-settings=build-args=--features measure");
     run(&mut install);
     let report = run(Command::new(python)
         .args(["-m", "pytest", "--quiet", "-p", "no:cacheprovider", "--durations=5"])

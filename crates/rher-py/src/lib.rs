@@ -12,6 +12,7 @@ mod arrays;
 mod env;
 mod error;
 mod foreign;
+#[cfg(feature = "measure")]
 mod hindsight;
 mod made;
 mod places;
@@ -28,6 +29,7 @@ use pyo3::prelude::*;
 mod _rher {
     #[pymodule_export]
     use super::env::Env;
+    #[cfg(feature = "measure")]
     #[pymodule_export]
     use super::hindsight::Hindsight;
     #[pymodule_export]

@@ -1,6 +1,8 @@
 """The comparison, shortened: that it runs, what it writes, and its bars at a distance."""
 
+import importlib.util
 import json
+import sys
 from pathlib import Path
 
 import pytest
@@ -8,9 +10,16 @@ import pytest
 pytest.importorskip("gymnasium_robotics")
 pytest.importorskip("stable_baselines3")
 
-from rher import compare  # noqa: E402
+from rher import _rher  # noqa: E402
 
 DATA = Path(__file__).parent / "data"
+
+# A tool beside the package, not a part of it.
+TOOL = Path(__file__).parents[1] / "tools/compare.py"
+spec = importlib.util.spec_from_file_location("compare", TOOL)
+compare = importlib.util.module_from_spec(spec)
+sys.modules["compare"] = compare
+spec.loader.exec_module(compare)
 
 
 def measured(out, *arguments):
@@ -20,6 +29,11 @@ def measured(out, *arguments):
     return json.loads((out / "compare.json").read_text()), table
 
 
+def test_the_tool_is_not_part_of_the_package():
+    assert importlib.util.find_spec("rher.compare") is None
+
+
+@pytest.mark.skipif(not hasattr(_rher, "Hindsight"), reason="built without the feature `measure`")
 def test_environments_and_relabelling_are_faster_than_their_neighbours(out):
     results, table = measured(out, "--parts", "single", "vector", "relabelling")
     # A busy machine must not fail this: half of what is published.

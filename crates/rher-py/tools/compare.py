@@ -1,8 +1,7 @@
-"""Compares ``rher`` with Gymnasium-Robotics and Stable-Baselines3: ``python -m rher.compare``.
+"""Compares ``rher`` with Gymnasium-Robotics and Stable-Baselines3: ``python tools/compare.py``.
 
 Everything is measured anew, side by side in one run, and written to a folder: ``compare.md`` is the
-table, ``compare.json`` the raw data. It needs ``gymnasium-robotics``, a MuJoCo that works with it
-(3.11.0), and ``stable-baselines3``: ``pip install rher[compare]``.
+table, ``compare.json`` the raw data. ``tools/README.md`` says what has to be installed.
 """
 
 import argparse
@@ -50,7 +49,7 @@ def main(arguments: list[str] | None = None) -> None:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="python -m rher.compare", description=__doc__)
+    parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--out", type=Path, default=Path("compare"), help="folder of the results")
     parser.add_argument(
         "--parts", nargs="+", choices=PARTS, default=list(PARTS), metavar="PART",
@@ -227,6 +226,11 @@ def relabelling(args: argparse.Namespace) -> Measured:
     from stable_baselines3 import HerReplayBuffer
     from stable_baselines3.common.vec_env import DummyVecEnv
 
+    if not hasattr(_rher, "Hindsight"):
+        raise RuntimeError(
+            "this build of rher cannot measure relabeling: install it as tools/README.md says, "
+            "with the feature `measure`"
+        )
     episodes, rows = (100 if args.quick else 2000), 256
     rounds, seconds = (2, 0.3) if args.quick else (7, 2.0)
     env = DummyVecEnv([lambda: gymnasium.make(PUSH[0])])
@@ -295,7 +299,7 @@ def _transferred(path: Path, names: tuple[str, str], trained: str, episodes: int
 
 
 def learning(args: argparse.Namespace) -> Measured:
-    """Wall clock until two evaluations running of 100 episodes reach 95 %."""
+    """Wall clock until two consecutive evaluations of 100 episodes reach 95 %."""
     budget = min(args.budget, 20.0) if args.quick else args.budget
     runs = {}
     with tempfile.TemporaryDirectory(dir=args.out) as folder:
