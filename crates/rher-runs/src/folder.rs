@@ -68,12 +68,12 @@ impl RunDir {
 
     /// Gives the lock back although forked processes may still have copies of it; does nothing in a
     /// forked process itself.
-    pub fn close(self) -> Result<(), WriteError> {
+    pub fn close(self) -> Result<(), FileError> {
         let Self { path, lock, process } = self;
         if process != process::id() {
             return Ok(());
         }
-        lock.unlock().map_err(|source| WriteError { path, source })
+        lock.unlock().map_err(FileError::write(&path))
     }
 
     /// Where it is.
