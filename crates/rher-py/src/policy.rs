@@ -6,12 +6,12 @@ use crate::error::{FileError, InputError, PolicyError, told, unlocked};
 use crate::places::Places;
 use numpy::{PyArray1, PyArrayDyn, PyArrayMethods as _};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyType};
+use pyo3::types::{PyBytes, PyDict, PyTuple, PyType};
 use rher_core::env::EnvSpec;
-use rher_core::goal::{Achieved, Desired, Leg, Scene, Stage};
+use rher_core::goal::{Achieved, Desired, Leg, Scene};
 use rher_core::policy::{Policy as CorePolicy, PolicyError as CorePolicyError, PolicyInfo};
 use rher_envs::{Options, Task};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// A trained policy: `policy(observation, goal)` is an action.
@@ -38,9 +38,7 @@ impl Policy {
     pub(crate) fn new(policy: CorePolicy) -> PyResult<Self> {
         let PolicyInfo { task, variant, objects, .. } = policy.info();
         if !(1..=3).contains(objects) {
-            return Err(PolicyError::new_err(format!(
-                "the policy is for {objects} objects, expected 1 to 3"
-            )));
+            return Err(too_many(*objects));
         }
         let of_task = || {
             let task: Task = task.parse().ok()?;
@@ -112,7 +110,7 @@ impl Policy {
         };
         let (goal_of_dict, achieved) = (item("desired_goal")?, item("achieved_goal")?);
         let read = |what, array: &Bound<'py, PyAny>, width| {
-            Rows::read(what, array, width, ": is the policy for another task?")?.finite(what)
+            Rows::read(what, array, width, ": is the policy for another task?")
         };
         let numbers = item("observation")?;
         let Rows { batch, numbers: observations } =
@@ -138,16 +136,25 @@ impl Policy {
         let actions = unlocked(py, || match objects {
             1 => self.act::<1>(&given),
             2 => self.act::<2>(&given),
-            _ => self.act::<3>(&given),
-        })?;
-        let actions = actions.ok_or_else(|| {
-            InputError::new_err(
-                "where the objects are is not in the observation: expected the dictionary that \
-                 the environment returns",
-            )
-        })?;
+            3 => self.act::<3>(&given),
+            _ => Err(too_many(objects)),
+        })??;
         let shape = [batch, vec![action]].concat();
         PyArray1::from_vec(py, actions).reshape(shape)
+    }
+
+    /// What unpickling and copying do.
+    #[classmethod]
+    fn _from_bytes(cls: &Bound<'_, PyType>, file: &[u8]) -> PyResult<Self> {
+        let path = Path::new("a pickled policy");
+        let policy = unlocked(cls.py(), || CorePolicy::from_bytes(file, path))?;
+        Self::new(policy.map_err(PolicyFailure)?)
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
+        let py = slf.py();
+        let file = PyBytes::new(py, &slf.get().policy.to_bytes());
+        (slf.get_type().getattr("_from_bytes")?, (file,)).into_pyobject(py)
     }
 
     fn __repr__(&self) -> String {
@@ -168,18 +175,16 @@ struct Given {
 }
 
 impl Policy {
-    /// The actions of the last sub-task, or None if something is not in the observations.
-    fn act<const N: usize>(&self, given: &Given) -> Option<Vec<f32>> {
-        let PolicyInfo { subtasks, obs_dim: observation, action_dim: action, .. } =
-            *self.policy.info();
-        let stage = Stage::<N>::from_index(subtasks - 1)?;
-        let count = given.observations.len() / observation;
-        let mut actions = vec![0.0; count * action];
-        let spec =
-            EnvSpec::<N>::new("", self.policy.info().obs_dim, self.policy.info().action_dim, 1);
-        let mut actor = self.policy.actor(&spec).ok()?;
-        for (row, action) in actions.chunks_exact_mut(action).enumerate() {
-            let observation = &given.observations[row * observation..(row + 1) * observation];
+    /// The actions of the last sub-task, row by row.
+    fn act<const N: usize>(&self, given: &Given) -> PyResult<Vec<f32>> {
+        let PolicyInfo { obs_dim, action_dim, .. } = *self.policy.info();
+        let spec = EnvSpec::<N>::new("", obs_dim, action_dim, 1);
+        let unfit = |error| PolicyError::new_err(told(&error));
+        let mut actor = self.policy.actor(&spec).map_err(unfit)?;
+        let stage = actor.task();
+        let mut actions = vec![0.0; given.observations.len() / obs_dim * action_dim];
+        for (row, action) in actions.chunks_exact_mut(action_dim).enumerate() {
+            let observation = &given.observations[row * obs_dim..(row + 1) * obs_dim];
             let goal = row * 3 * N..(row + 1) * 3 * N;
             let desired = positions::<N>(&given.goals[goal.clone()]);
             let at = |place: usize| positions::<1>(&observation[place..place + 3])[0];
@@ -188,11 +193,22 @@ impl Policy {
                 (Leg::Reach, _, _) => desired,
                 (Leg::Place, Some(achieved), _) => positions::<N>(&achieved[goal]),
                 (Leg::Place, None, Some(places)) => std::array::from_fn(|i| at(places[i])),
-                (Leg::Place, None, None) => return None,
+                (Leg::Place, None, None) => {
+                    return Err(InputError::new_err(
+                        "where the objects are is not in the observation: expected the dictionary \
+                         that the environment returns",
+                    ));
+                }
             };
             let scene = Achieved(Scene { gripper: at(self.places.gripper), objects });
-            actor.act(stage, observation, &scene, &Desired::of_task(desired), action).ok()?;
+            actor
+                .act(stage, observation, &scene, &Desired::of_task(desired), action)
+                .map_err(|error| InputError::new_err(format!("row {row}: {}", told(&error))))?;
         }
-        Some(actions)
+        Ok(actions)
     }
+}
+
+fn too_many(objects: usize) -> PyErr {
+    PolicyError::new_err(format!("the policy is for {objects} objects, expected 1 to 3"))
 }

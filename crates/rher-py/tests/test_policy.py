@@ -1,5 +1,8 @@
 """Policies: what they are given, what they return, and what is refused."""
 
+import copy
+import pickle
+
 import gymnasium
 import numpy as np
 import pytest
@@ -66,6 +69,27 @@ def test_files_are_written_and_read(path, tmp_path):
     assert (copy.task, copy.objects, copy.observation_width, copy.action_width) == ("push", 1, 25, 4)
     with pytest.raises(rher.FileError):
         policy.save(tmp_path / "no" / "where.safetensors")
+
+
+@pytest.mark.parametrize("name", ["rher/Reach-v0", "rher/DrawerBox-v0"])
+def test_policies_are_copied_and_pickled(name, path):
+    policy = rher.Policy.load(path(rher.IDS[name]))
+    seen, _ = gymnasium.make(name).reset(seed=0)
+    for twin in (pickle.loads(pickle.dumps(policy)), copy.copy(policy), copy.deepcopy(policy)):
+        assert repr(twin) == repr(policy)
+        assert np.array_equal(twin(seen), policy(seen))
+    with pytest.raises(rher.PolicyError, match="a pickled policy"):
+        rher.Policy._from_bytes(b"junk" * 100)
+
+
+def test_a_number_that_is_not_finite_is_named_with_its_row(path):
+    policy = rher.Policy.load(path("push"))
+    seen, _ = gymnasium.make_vec("rher/Push-v0", num_envs=3).reset(seed=0)
+    for key, field in [("observation", "observation"), ("desired_goal", "desired")]:
+        wrong = {name: array.copy() for name, array in seen.items()}
+        wrong[key][2, 1] = np.nan
+        with pytest.raises(rher.InputError, match=f"row 2: number 1 of `{field}` is NaN"):
+            policy(wrong)
 
 
 def test_files_that_are_no_policies_are_named(tmp_path, path):

@@ -44,10 +44,21 @@ pub enum PolicyError {
 }
 
 impl Policy {
-    /// Writes the policy to a file: its tensors, and all else in the metadata.
+    /// Writes the policy to a file, see [`to_bytes`](Self::to_bytes).
     ///
     /// The file is complete or not there: it is written beside its place and renamed.
     pub fn save(&self, path: &Path) -> Result<(), PolicyError> {
+        Ok(files::replace(path, &self.to_bytes())?)
+    }
+
+    /// Reads a policy from a file.
+    pub fn load(path: &Path) -> Result<Self, PolicyError> {
+        let file = std::fs::read(path).map_err(FileError::read(path))?;
+        Self::from_bytes(&file, path)
+    }
+
+    /// What is in the policy's file: its tensors, and all else in the metadata.
+    pub fn to_bytes(&self) -> Vec<u8> {
         let metadata = Metadata {
             version: VERSION,
             info: self.info.clone(),
@@ -55,31 +66,21 @@ impl Policy {
             encoder: self.encoder.clone(),
         };
         let bytes: Vec<u8> = self.parameters.iter().flat_map(|x| x.to_le_bytes()).collect();
-        let malformed = |problem: String| PolicyError::Malformed { path: path.into(), problem };
-        let tensors = self
-            .shape
-            .tensors()
-            .into_iter()
-            .map(|tensor| {
-                let bytes = &bytes[4 * tensor.range.start..4 * tensor.range.end];
-                let view = TensorView::new(Dtype::F32, tensor.dims, bytes);
-                view.map(|view| (tensor.name, view)).map_err(|error| malformed(error.to_string()))
-            })
-            .collect::<Result<Vec<_>, _>>()?;
-        let description =
-            serde_json::to_string(&metadata).map_err(|error| malformed(error.to_string()))?;
+        let tensors = self.shape.tensors().into_iter().map(|tensor| {
+            let bytes = &bytes[4 * tensor.range.start..4 * tensor.range.end];
+            let view = TensorView::new(Dtype::F32, tensor.dims, bytes);
+            (tensor.name, view.expect("a range is as long as its dimensions say"))
+        });
+        let description = serde_json::to_string(&metadata).expect("its keys are strings");
         let metadata = HashMap::from([(METADATA.to_owned(), description)]);
-        let file = safetensors::serialize(tensors, Some(metadata))
-            .map_err(|error| malformed(error.to_string()))?;
-        Ok(files::replace(path, &file)?)
+        safetensors::serialize(tensors, Some(metadata)).expect("every tensor is as long as it says")
     }
 
-    /// Reads a policy from a file.
-    pub fn load(path: &Path) -> Result<Self, PolicyError> {
-        let file = std::fs::read(path).map_err(FileError::read(path))?;
+    /// Reads what [`to_bytes`](Self::to_bytes) wrote; an error calls it `path`.
+    pub fn from_bytes(file: &[u8], path: &Path) -> Result<Self, PolicyError> {
         let malformed = |problem: String| PolicyError::Malformed { path: path.to_owned(), problem };
         let (_, header) =
-            SafeTensors::read_metadata(&file).map_err(|error| malformed(error.to_string()))?;
+            SafeTensors::read_metadata(file).map_err(|error| malformed(error.to_string()))?;
         let description = header
             .metadata()
             .as_ref()
@@ -91,7 +92,7 @@ impl Policy {
             return Err(malformed(format!("it has version {version}, expected {VERSION}")));
         }
         let tensors =
-            SafeTensors::deserialize(&file).map_err(|error| malformed(error.to_string()))?;
+            SafeTensors::deserialize(file).map_err(|error| malformed(error.to_string()))?;
         let mut parameters = Vec::with_capacity(shape.parameters());
         for tensor in shape.tensors() {
             let view =

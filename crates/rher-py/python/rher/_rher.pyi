@@ -59,7 +59,7 @@ class VectorEnv:
     """Environments of one task that are stepped together, without Python's lock."""
 
     def __new__(
-        cls, task: str, options: str, envs: int, threads: int, auto_reset: str, copy: bool
+        cls, task: str, options: str, envs: int, threads: int | None, auto_reset: str, copy: bool
     ) -> VectorEnv: ...
     @property
     def is_seeded(self) -> bool: ...
@@ -82,7 +82,7 @@ class Policy:
     """A trained policy, with everything it needs to act.
 
     It acts in environments with observations and goals like those that it was trained in: a policy
-    of ``push`` in ``FetchPush-v4``, too.
+    of ``push`` in ``FetchPush-v4``, too. It can be copied and pickled.
     """
 
     @classmethod
