@@ -171,11 +171,11 @@ fn peak(threads: usize) -> Option<f64> {
     // The shape, `[rows, width] · [width, width]`, of the products of hidden layers of this width.
     const ROWS: usize = 256;
     const WIDTH: usize = 256;
-    let peak = std::thread::scope(|scope| {
+    let peak: f64 = std::thread::scope(|scope| {
         let probes: Vec<_> = (0..threads).map(|_| scope.spawn(|| gemm_peak(ROWS, WIDTH))).collect();
         probes.into_iter().filter_map(|probe| probe.join().ok()).sum()
     });
-    Some(peak)
+    (peak > 0.0).then_some(peak)
 }
 
 #[cfg(not(feature = "fused"))]
