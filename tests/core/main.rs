@@ -7,6 +7,7 @@
 mod causes;
 #[cfg(feature = "train")]
 mod checkpoints;
+#[cfg(feature = "train")]
 mod control;
 mod draws;
 mod environments;
