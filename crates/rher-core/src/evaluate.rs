@@ -188,10 +188,8 @@ pub fn play<const N: usize>(
     let mut stages = Vec::with_capacity(env.spec().episode_steps);
     let env_seed = seed.episode(Purpose::Evaluation, episode);
     let episode = rollout(env, env_seed, |view, action| {
-        let current = || {
-            let now = Stage::of(view.achieved, view.desired, &tolerances, reach_distance);
-            if now.index() < stage.index() { now } else { stage }
-        };
+        let current =
+            || Stage::of(view.achieved, view.desired, &tolerances, reach_distance).at_most(stage);
         let acting = match test_policy {
             TestPolicy::Guide => current(),
             TestPolicy::Mix if rng.random() => current(),

@@ -20,6 +20,13 @@ pub enum Leg {
     Place,
 }
 
+impl Leg {
+    /// The leg of the sub-task at a place in the relay, counted from 0.
+    pub fn of_subtask(index: usize) -> Self {
+        if index.is_multiple_of(2) { Self::Reach } else { Self::Place }
+    }
+}
+
 /// One of the `2 N` stages ζ of a relay over `N` objects, in relay order.
 ///
 /// A stage also names the sub-task that ends with it (eq. 5): ψⱼ is all stages up to ζⱼ, and its
@@ -52,7 +59,7 @@ impl<const N: usize> Stage<N> {
 
     /// The stage at a place in the relay, counted from 0; `None` past the last.
     pub fn from_index(index: usize) -> Option<Self> {
-        let leg = if index.is_multiple_of(2) { Leg::Reach } else { Leg::Place };
+        let leg = Leg::of_subtask(index);
         (index < Self::COUNT).then_some(Self { object: index / 2, leg })
     }
 
@@ -74,6 +81,12 @@ impl<const N: usize> Stage<N> {
     /// Place in the relay, counted from 0: the paper's j − 1.
     pub fn index(self) -> usize {
         2 * self.object + usize::from(self.leg == Leg::Place)
+    }
+
+    /// This stage, or `last` where a task ends before it.
+    #[must_use]
+    pub fn at_most(self, last: Self) -> Self {
+        if self.index() < last.index() { self } else { last }
     }
 
     /// The object this stage is about, counted from 0.
