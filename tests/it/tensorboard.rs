@@ -45,6 +45,24 @@ fn tensorboard_reads_what_metrics_say_also_of_a_run_that_went_on() {
     assert_same(&events(&rher, "run").unwrap(), &more);
 }
 
+/// Files are read in the order of their names, which begin with the time.
+#[test]
+fn a_clock_that_goes_back_hides_nothing() {
+    let rher = Rher::new();
+    rher.ok(&format!("train push {TINY} --env-steps 1000 --out run --quiet --tensorboard"));
+    // As if the first part had been trained ten days later.
+    let folder = rher.path("run/tensorboard");
+    let file = std::fs::read_dir(&folder).unwrap().next().unwrap().unwrap();
+    let name = file.file_name().into_string().unwrap();
+    let seconds: u64 = name.split('.').nth(3).unwrap().parse().unwrap();
+    let later = name.replace(&seconds.to_string(), &(seconds + 864_000).to_string());
+    std::fs::rename(file.path(), folder.join(later)).unwrap();
+
+    rher.ok("train --resume run --env-steps 2000 --quiet --tensorboard");
+    let Some(events) = events(&rher, "run") else { return };
+    assert_same(&events, &rher.metrics("run"));
+}
+
 #[test]
 fn without_the_option_there_are_no_event_files() {
     let rher = Rher::new();

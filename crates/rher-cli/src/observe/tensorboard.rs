@@ -14,6 +14,9 @@ use std::time::SystemTime;
 /// Folder of the event files in a run folder.
 const FOLDER: &str = "tensorboard";
 
+/// How the names of event files begin; the seconds since 1970 follow, with ten digits.
+const PREFIX: &str = "events.out.tfevents.";
+
 /// The first event says which format follows.
 const VERSION: &str = "brain.Event:2";
 
@@ -30,22 +33,22 @@ impl EventFile {
     pub(crate) fn create(run: &Path, env_steps: u64) -> Result<Self, FileError> {
         let folder = run.join(FOLDER);
         std::fs::create_dir_all(&folder).map_err(FileError::write(&folder))?;
-        // Files are read in the order of their names.
         let now = since_epoch();
-        let name = |n: u32| format!("events.out.tfevents.{:010}.{n:03}.rher", now as u64);
-        let mut made =
-            (0..).map(|n| folder.join(name(n))).map(|path| (File::create_new(&path), path));
-        let taken = |file: &io::Result<File>| matches!(file, Err(error) if error.kind() == io::ErrorKind::AlreadyExists);
-        let Some((file, path)) = made.find(|(file, _)| !taken(file)) else {
-            unreachable!("there is always another number")
+        let (file, path) = loop {
+            let names = names_in(&folder).map_err(FileError::write(&folder))?;
+            let path = folder.join(name_after(&names, now as u64));
+            match File::create_new(&path) {
+                // Another process has just taken it.
+                Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+                made => break (made.map_err(FileError::write(&path))?, path),
+            }
         };
-        let file = file.map_err(FileError::write(&path))?;
         let mut events = Self { path, file };
         let mut version = Message::event(now, 0);
         version.bytes(3, VERSION.as_bytes());
         let mut session = Message::default();
         session.integer(1, 1);
-        // What is told of this step itself stays.
+        // What was written for this step itself stays.
         let mut start = Message::event(now, env_steps + 1);
         start.bytes(7, &session.0);
         events.write(&[version, start])?;
@@ -75,6 +78,25 @@ impl EventFile {
     fn failed(&self, source: io::Error) -> FileError {
         FileError::write(&self.path)(source)
     }
+}
+
+/// The names of the event files in a folder.
+fn names_in(folder: &Path) -> io::Result<Vec<String>> {
+    let names = std::fs::read_dir(folder)?
+        .map(|entry| Ok(entry?.file_name().to_string_lossy().into_owned()));
+    let names: io::Result<Vec<String>> = names.collect();
+    Ok(names?.into_iter().filter(|name| name.starts_with(PREFIX)).collect())
+}
+
+/// A name that comes after all others, since files are read in the order of their names; the clock
+/// may have gone back since they were written.
+fn name_after(names: &[String], seconds: u64) -> String {
+    let name = |seconds: u64| format!("{PREFIX}{seconds:010}.000.rher");
+    let seconds_of =
+        |name: &String| name.get(PREFIX.len()..)?.split('.').next()?.parse::<u64>().ok();
+    let latest = names.iter().filter_map(seconds_of).max().unwrap_or(0);
+    let seconds = seconds.max(latest);
+    if names.iter().all(|other| *other < name(seconds)) { name(seconds) } else { name(seconds + 1) }
 }
 
 fn since_epoch() -> f64 {
@@ -173,6 +195,26 @@ mod tests {
         assert_eq!(crc32c(b"123456789"), 0xe306_9283);
         assert_eq!(crc32c(&[0; 32]), 0x8a91_36aa);
         assert_eq!(crc32c(&[0xff; 32]), 0x62a8_ab43);
+    }
+
+    #[test]
+    fn a_new_file_is_read_after_all_others() {
+        let names = |names: &[&str]| -> Vec<String> {
+            names.iter().map(|name| format!("{PREFIX}{name}")).collect()
+        };
+        for (there, seconds, expected) in [
+            (names(&[]), 1_795_821_391, "1795821391.000.rher"),
+            (names(&["1795821390.000.rher"]), 1_795_821_391, "1795821391.000.rher"),
+            // Twice in a second.
+            (names(&["1795821391.000.rher"]), 1_795_821_391, "1795821392.000.rher"),
+            // The clock has gone back.
+            (names(&["1795821391.000.rher", "17.host"]), 5, "1795821392.000.rher"),
+            (names(&["1795821391.1234.other.0"]), 5, "1795821392.000.rher"),
+        ] {
+            let name = name_after(&there, seconds);
+            assert_eq!(name, format!("{PREFIX}{expected}"));
+            assert!(there.iter().all(|other| *other < name), "{there:?}");
+        }
     }
 
     #[test]
