@@ -26,6 +26,7 @@ fn pytest_passes() {
         .args(["-m", "pytest", "--quiet", "-p", "no:cacheprovider", "--durations=5"])
         // On a shared machine PyTorch's threads wait for each other most of the time.
         .env("OMP_NUM_THREADS", "1")
+        .env("RHER", env!("CARGO_BIN_EXE_rher"))
         .current_dir(&package));
     assert!(report.contains(" passed"), "pytest ran nothing:\n{report}");
 }
