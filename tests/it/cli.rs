@@ -452,7 +452,7 @@ fn what_is_no_policy_is_not_evaluated() {
     ");
     assert_snapshot!(rher.run("eval missing"), @"
     exit 5
-    error: cannot read policy file `missing`: No such file or directory (os error 2)
+    error: cannot read `missing`: No such file or directory (os error 2)
 
     hint: name a run folder with a policy, or a policy file
     ");
@@ -487,7 +487,7 @@ fn a_full_disk_is_told_and_the_checkpoint_kept() {
     exit 7
     error: cannot write `run/metrics.jsonl`: No space left on device (os error 28)
 
-    hint: make room; `rher train --resume DIR` goes on from the last checkpoint
+    hint: make room, and repeat the command; a run that had begun continues from its last checkpoint with `rher train --resume DIR`
     ");
     assert!(rher.path("run/checkpoint/current.ckpt").exists());
 

@@ -7,6 +7,7 @@ use mcap::{MessageStream, Summary};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::process::Command;
 use std::time::{Duration, Instant};
 
 /// A recording of three episodes of an untrained policy.
@@ -230,22 +231,189 @@ fn finished_episodes_survive_a_kill() {
     long_run(&rher).kill();
     let part = rher.path("run/episodes-0.part.mcap");
     assert!(!rher.path("run/episodes-0.mcap").exists());
-    let ran = rher.run("replay run/episodes-0.part.mcap");
-    assert_eq!(ran.status, Some(11), "{ran}");
-    let whole: usize = ran
-        .stderr
-        .split_once("cut off after ")
-        .and_then(|(_, rest)| rest.split_once(" whole episodes")?.0.parse().ok())
-        .unwrap_or_else(|| panic!("{ran}"));
-    assert!(whole >= 3 && ran.stderr.contains("mcap recover"), "{ran}");
+    let ran = rher.run("replay run/episodes-0.part.mcap --verify");
+    assert_eq!(ran.status, Some(0), "{ran}");
+    assert!(ran.stderr.contains("warning: `run/episodes-0.part.mcap` is not finished"), "{ran}");
+    let whole = episodes_of(&ran.stdout);
+    assert!(whole >= 3, "{ran}");
+    rher.ok("export run/episodes-0.part.mcap --format minari --out dataset");
+    let episodes = std::fs::read_dir(rher.path("dataset/data")).unwrap().count() - 1;
+    assert_eq!(episodes, whole);
 
-    let Some(python) = python() else { return };
-    let file = read(python, &part, &["--cut-off"]);
-    let steps = file["steps"].as_array().unwrap();
-    for episode in 0..whole {
-        for step in 0..=50 {
-            assert!(steps.contains(&json!([episode, step])), "episode {episode}, step {step}");
+    if let Some(python) = python() {
+        let file = read(python, &part, &["--cut-off"]);
+        let steps = file["steps"].as_array().unwrap();
+        for episode in 0..whole {
+            for step in 0..=50 {
+                assert!(steps.contains(&json!([episode, step])), "episode {episode}, step {step}");
+            }
         }
+    }
+
+    // Whoever resumes the run finishes the recording, also without `--record-every`.
+    rher.ok("train --resume run --env-steps 1");
+    assert!(!part.exists());
+    let proof = rher.ok("replay run/episodes-0.mcap --verify");
+    assert_eq!(episodes_of(&proof), whole, "{proof}");
+}
+
+/// How many episodes a proof is about.
+fn episodes_of(proof: &str) -> usize {
+    let number = proof.split_whitespace().nth(1).and_then(|number| number.parse().ok());
+    number.unwrap_or_else(|| panic!("{proof}"))
+}
+
+/// Recordings of earlier versions stay readable; `README.md` beside them says how they were made.
+#[test]
+fn recordings_of_earlier_versions_are_read() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/recordings-0.1.0");
+    let rher = Rher::new();
+    for (name, task, steps, seed, widths) in [
+        ("reach.mcap", "reach", 50, 14_696_778_235_840_051_812, [10, 4]),
+        ("cue-push.mcap", "cue-push", 20, 14_696_778_235_840_051_812, [18, 3]),
+        ("push.part.mcap", "push", 50, 7_875_952_635_008_868_715, [25, 4]),
+    ] {
+        let path = folder.join(name);
+        let mut recording = rher_record::Recording::open(&path).unwrap();
+        assert_eq!(recording.info.task, task);
+        assert_eq!(recording.info.rher, "0.1.0");
+        let episode = recording.next().unwrap().unwrap();
+        assert_eq!((episode.script.number, episode.script.seed), (0, seed));
+        let found = [episode.end().observation.len(), episode.actions[0].action.len()];
+        assert_eq!((episode.actions.len(), found), (steps, widths), "{name}");
+        assert!(recording.next().is_none());
+
+        let list = rher.ok(&format!("replay {}", path.display()));
+        assert!(list.contains(&format!("on `{task}`, recorded by rher 0.1.0")), "{list}");
+        for format in ["minari", "lerobot"] {
+            let (path, out) = (path.display(), format!("{task}-{format}"));
+            rher.ok(&format!("export {path} --format {format} --out {out}"));
+        }
+    }
+}
+
+#[test]
+fn two_recordings_of_one_name_do_not_disturb_each_other() {
+    let rher = recorded("push", "");
+    let play = "play run --episodes 200 --mcap both.mcap";
+    for ran in [rher.spawn(play), rher.spawn(play)].map(crate::support::Running::end) {
+        assert_eq!(ran.status, Some(0), "{ran}");
+    }
+    let list = rher.ok("replay both.mcap");
+    assert!(list.starts_with("200 episodes"), "{list}");
+    let left = std::fs::read_dir(rher.path("")).unwrap();
+    let left = left
+        .filter(|entry| entry.as_ref().unwrap().file_name().to_string_lossy().contains(".part."));
+    assert_eq!(left.count(), 0);
+
+    // What a killed process leaves behind is gone after the next one.
+    rher.write("again.part.mcap", "left behind");
+    rher.ok("play run --episodes 1 --mcap again.mcap");
+    assert!(!rher.path("again.part.mcap").exists());
+    assert!(rher.ok("replay again.mcap").starts_with("1 episodes"));
+}
+
+/// A shell command in the folder of a test, with the program as `$RHER`.
+fn shell(rher: &Rher, script: &str) -> crate::support::Ran {
+    let mut command = Command::new("sh");
+    command.args(["-c", script]).current_dir(rher.path(""));
+    command.env("RHER", env!("CARGO_BIN_EXE_rher")).output().unwrap().into()
+}
+
+#[test]
+fn training_continues_without_a_recording_that_cannot_be_written() {
+    let rher = Rher::new();
+    // 100 kB in blocks of 512 bytes: less than the recording, more than every other file.
+    let ran = shell(
+        &rher,
+        &format!(
+            "trap '' XFSZ; ulimit -f 200; \
+             exec \"$RHER\" train reach --env-steps 1000 --record-every 1 --out run {TINY}"
+        ),
+    );
+    assert_eq!(ran.status, Some(0), "{ran}");
+    assert!(ran.stderr.contains("warning: recording has stopped, training continues"), "{ran}");
+    assert_eq!(rher.metrics("run").last().unwrap()["env_steps"], 1000);
+    // Whole episodes are kept, and finished by the next run in the folder.
+    assert!(rher.ok("replay run/episodes-0.part.mcap --verify").starts_with("real: "), "{ran}");
+    rher.ok("train --resume run --env-steps 1500");
+    assert!(rher.ok("replay run/episodes-0.mcap --verify").starts_with("real: "));
+}
+
+#[test]
+fn a_full_disk_has_its_own_exit_status() {
+    let rher = recorded("push", "");
+    std::fs::create_dir(rher.path("full")).unwrap();
+    let full = "mount -t tmpfs -o size=100k none full";
+    if shell(&rher, &format!("unshare -m sh -c '{full}'")).status != Some(0) {
+        python::ignored("a full disk takes the right to mount one");
+        return;
+    }
+    for command in [
+        "play run --episodes 20 --mcap full/out.mcap",
+        "export run --format minari --episodes 20 --out full/minari",
+        "export run --format lerobot --episodes 20 --out full/lerobot",
+    ] {
+        let left = "ls full | wc -l";
+        let script = format!(
+            "unshare -m sh -c '{full}; \"$RHER\" {command}; status=$?; {left}; exit $status'"
+        );
+        let ran = shell(&rher, &script);
+        assert_eq!(ran.status, Some(7), "{command}: {ran}");
+        assert!(ran.stderr.contains("make room, and repeat the command"), "{command}: {ran}");
+        assert_eq!(ran.stdout.trim(), "0", "{command} left something behind");
+    }
+}
+
+/// Changes the length of the first text in the metadata record to one beyond everything.
+fn with_a_long_text(bytes: &[u8]) -> Vec<u8> {
+    let text = b"reach_distance";
+    let at = bytes.windows(text.len()).position(|window| window == text).unwrap();
+    let mut changed = bytes.to_vec();
+    changed[at - 4..at].copy_from_slice(&0xffff_fff0_u32.to_le_bytes());
+    changed
+}
+
+#[test]
+fn lengths_in_a_file_ask_for_no_more_memory_than_the_file_has() {
+    let rher = recorded("push", "");
+    let bytes = std::fs::read(rher.path("out.mcap")).unwrap();
+    rher.write("text.mcap", with_a_long_text(&bytes));
+    // A record of 255 MB, behind the magic and the opcode of the header.
+    let mut record = bytes;
+    record[9..17].copy_from_slice(&0x0ff0_0000_u64.to_le_bytes());
+    rher.write("record.mcap", record);
+    for file in ["text.mcap", "record.mcap"] {
+        let ran = shell(&rher, &format!("ulimit -v 200000; exec \"$RHER\" replay {file}"));
+        assert_eq!(ran.status, Some(11), "{file}: {ran}");
+        assert!(ran.stderr.contains(&format!("`{file}` is damaged")), "{ran}");
+    }
+}
+
+/// The least address space, in kB, in which a command succeeds, to 8 MB.
+fn needs(rher: &Rher, command: &str) -> usize {
+    let fits = |kilobytes: usize| {
+        let script = format!("ulimit -v {kilobytes}; exec \"$RHER\" {command} 2>/dev/null");
+        shell(rher, &script).status == Some(0)
+    };
+    let steps = (1..200).map(|step| 8_000 * step);
+    steps.into_iter().find(|kilobytes| fits(*kilobytes)).unwrap_or_else(|| panic!("{command}"))
+}
+
+#[test]
+fn long_recordings_take_no_more_memory_than_short_ones() {
+    let rher = recorded("tpush", "");
+    rher.ok("play run --episodes 300 --mcap long.mcap");
+    for command in ["replay", "replay --verify", "export --format lerobot --out FOLDER"] {
+        let on = |file: &str| {
+            let command = command.replace("FOLDER", &format!("{file}.dataset"));
+            let kilobytes = needs(&rher, &format!("{command} {file}"));
+            let _ = std::fs::remove_dir_all(rher.path(format!("{file}.dataset")));
+            kilobytes
+        };
+        let [short, long] = ["out.mcap", "long.mcap"].map(on);
+        // The file has 15 MB; as objects its messages take 90.
+        assert!(long <= short + 32_000, "{command}: {short} kB for 3 episodes, {long} kB for 300");
     }
 }
 
@@ -265,7 +433,7 @@ fn bad_recordings_are_told_apart() {
         ("missing.mcap", "cannot read `missing.mcap`", "rher play RUN --mcap FILE"),
         ("text.mcap", "`text.mcap` is not an MCAP file", "rher play RUN --mcap FILE"),
         ("empty.mcap", "`empty.mcap` is not an MCAP file", "rher play RUN --mcap FILE"),
-        ("cut.mcap", "`cut.mcap` is cut off after 1 whole episodes", "mcap recover"),
+        ("cut.mcap", "`cut.mcap` is cut off after 1 whole episodes", "as `cut.part.mcap` its"),
         ("damaged.mcap", "`damaged.mcap` is damaged: ", "record it again"),
         ("foreign.mcap", "`foreign.mcap` was not recorded by this program", "rher play RUN"),
     ] {
@@ -289,7 +457,8 @@ fn no_flipped_bit_brings_the_reader_down() {
         let mut damaged = bytes.clone();
         damaged[place] ^= 0x40;
         std::fs::write(&path, damaged).unwrap();
-        told += usize::from(rher_record::Recording::read(&path).is_err());
+        let read = rher_record::Recording::open(&path);
+        told += usize::from(!read.is_ok_and(|mut episodes| episodes.all(|it| it.is_ok())));
     }
     assert!(told > places.len() / 2, "{told} of {}", places.len());
 }

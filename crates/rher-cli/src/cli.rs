@@ -8,6 +8,7 @@ use crate::values::{
 };
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use rher_envs::Task;
+use rher_record::export::DatasetId;
 use rher_runs::Asked;
 use std::num::{NonZeroU64, NonZeroUsize};
 use std::path::PathBuf;
@@ -370,13 +371,17 @@ pub(crate) struct ExportArgs {
     /// Run folder or policy file to play, or recording
     pub(crate) path: PathBuf,
 
-    /// For whom
+    /// Dataset format
     #[arg(long, value_enum, value_name = "FORMAT")]
-    pub(crate) format: DatasetFormat,
+    pub(crate) format: FormatName,
 
     /// Folder of the dataset, which must not be there yet
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
+
+    /// Identity of a Minari dataset, as in `rher/push-v1` [default: rher/<TASK>-v0]
+    #[arg(long, value_name = "ID")]
+    pub(crate) dataset_id: Option<DatasetId>,
 
     /// Episodes to play, or the first ones of a recording [default: 100, or all of a recording]
     #[arg(long, value_name = "N")]
@@ -388,7 +393,7 @@ pub(crate) struct ExportArgs {
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
-pub(crate) enum DatasetFormat {
+pub(crate) enum FormatName {
     /// A Minari dataset, in its Parquet storage
     Minari,
     /// A LeRobot dataset, version 3.0

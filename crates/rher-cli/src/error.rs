@@ -1,6 +1,6 @@
 //! What went wrong, told once: with an exit status, and with a way out where there is one.
 
-use crate::commands::NotReal;
+use crate::commands::{NoDatasetId, NotReal};
 use crate::exit_code::Status;
 use crate::printer::StdoutError;
 use crate::runs::RunError;
@@ -55,6 +55,10 @@ impl Report {
             .or_else(|| cause.downcast_ref().map(Self::of_play))
             .or_else(|| cause.downcast_ref().map(Self::of_not_real))
             .or_else(|| cause.downcast_ref().map(Self::of_export))
+            .or_else(|| {
+                let usage = |_: &NoDatasetId| Self { status: Status::Usage, hint: None };
+                cause.downcast_ref().map(usage)
+            })
             .or_else(|| cause.downcast_ref().map(foreign))
             .or_else(|| Self::of_live(cause))
             .or_else(|| cause.downcast_ref().map(|StdoutError(error)| Self::of_write(error)))
@@ -253,11 +257,10 @@ impl Report {
                 format!("nothing in `{}` can be saved; record it again", path.display())
             }
             ReadError::CutOff { path, .. } => format!(
-                "`mcap recover --compression lz4 {} -o whole.mcap` keeps the whole episodes; it \
-                 is Foxglove's tool",
-                path.display()
+                "as `{}` its whole episodes can be read; copy the file again if it was complete",
+                path.with_extension("part.mcap").display()
             ),
-            ReadError::About { .. } => "read it with the version of `rher` that made it".into(),
+            ReadError::Info { .. } => "read it with the version of `rher` that made it".into(),
             ReadError::Damaged { .. } | ReadError::Empty { .. } => "record it again".into(),
         };
         Some(Self::new(Status::Recording, hint))
@@ -279,7 +282,13 @@ impl Report {
                 Self::new(Status::Unwritable, "choose another folder with --out, or take it away")
             }
             ExportError::File(error) => Self::of_write(&error.source),
-            ExportError::Table { .. } => Self { status: Status::Failure, hint: None },
+            ExportError::Table { .. } | ExportError::Empty { .. } => {
+                Self { status: Status::Failure, hint: None }
+            }
+            ExportError::Widths { .. } => Self::new(
+                Status::Recording,
+                "the recording was put together from recordings of different tasks",
+            ),
         }
     }
 
@@ -314,7 +323,8 @@ impl Report {
         match error.kind() {
             io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => Self::new(
                 Status::DiskFull,
-                "make room; `rher train --resume DIR` goes on from the last checkpoint",
+                "make room, and repeat the command; a run that had begun continues from its last \
+                 checkpoint with `rher train --resume DIR`",
             ),
             _ => Self::new(Status::Unwritable, "choose a place that you may write in"),
         }

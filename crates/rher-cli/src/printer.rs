@@ -49,6 +49,12 @@ impl Printer {
         }
     }
 
+    /// Prints what the user should know although the command continues.
+    #[expect(clippy::unused_self, reason = "whoever prints goes through a printer")]
+    pub(crate) fn warn(self, text: impl Display) {
+        tell(format_args!("warning: {text}"));
+    }
+
     /// Tells what went wrong, and the way out.
     #[expect(clippy::unused_self, reason = "whoever prints goes through a printer")]
     pub(crate) fn error(self, error: &anyhow::Error, hint: Option<&str>) {

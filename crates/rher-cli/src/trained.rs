@@ -8,7 +8,7 @@ use rher_core::policy::Critic;
 use rher_core::policy::Policy;
 use rher_core::train::checkpoint::{self, POLICY_FILE};
 use rher_envs::{Options, Task};
-use rher_record::About;
+use rher_record::RecordingInfo;
 use rher_runs::{Settings, settings};
 use sha2::{Digest as _, Sha256};
 use std::fmt::Write as _;
@@ -53,11 +53,11 @@ impl Trained {
     }
 
     /// Adds to what a recording says of itself where its policy comes from.
-    pub(crate) fn describe(&self, about: &mut About) -> anyhow::Result<()> {
+    pub(crate) fn describe(&self, info: &mut RecordingInfo) -> anyhow::Result<()> {
         let bytes = std::fs::read(&self.file).map_err(FileError::read(&self.file))?;
-        about.policy_sha256 = sha256(&bytes);
+        info.policy_sha256 = sha256(&bytes);
         if let Some(run) = &self.run {
-            about.config = settings::to_toml(run)?;
+            info.config = settings::to_toml(run)?;
         }
         Ok(())
     }

@@ -95,6 +95,16 @@ tasks! {
     TStack: tasks::TStack, 3;
 }
 
+impl Task {
+    /// The identity of this task's Gymnasium environment in the Python package.
+    pub fn gymnasium_id(self) -> String {
+        match self {
+            Self::Pick => "rher/PickAndPlace-v0".to_owned(),
+            task => format!("rher/{task:?}-v0"),
+        }
+    }
+}
+
 impl fmt::Display for Task {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(self.name())

@@ -70,7 +70,7 @@ impl Live {
             let mut player = player;
             for script in to_show {
                 let begin = now();
-                if let Ok(messages) = player.tell(&script, begin) {
+                if let Ok(messages) = player.messages(&script, begin) {
                     show(&channels, &messages, begin);
                     thread::sleep(PAUSE);
                 }
@@ -100,7 +100,7 @@ impl Live {
     }
 
     /// Sends what an evaluation found.
-    pub fn tell(&self, metrics: &Metrics) {
+    pub fn send(&self, metrics: &Metrics) {
         if let Ok(bytes) = serde_json::to_vec(metrics) {
             self.metrics.log(&bytes);
         }

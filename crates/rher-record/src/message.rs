@@ -3,7 +3,7 @@
 //! Two are Foxglove's own, as protobuf; the others are JSON, whose numbers are written so that
 //! every bit of a 32-bit float comes back.
 
-use crate::about::as_text;
+use crate::info::as_text;
 use crate::schemas;
 use foxglove::messages::{FrameTransforms, SceneUpdate};
 use foxglove::{Encode, Schema};

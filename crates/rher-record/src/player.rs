@@ -1,4 +1,4 @@
-//! Plays a script again and tells what happens.
+//! Plays an action log again and describes the episode in messages.
 
 use crate::message::{Action, Begin, Frame, Message, Place, Timed};
 use crate::paint::{entity, transform};
@@ -82,7 +82,8 @@ pub enum PlayError {
 }
 
 impl<const N: usize, E: Simulated<N>> Player<E, N> {
-    /// Plays in `env`; `reach_distance` is the paper's d, by which stages are told, in metres.
+    /// Plays in `env`; `reach_distance` is the paper's d, which decides whether an object counts
+    /// as reached, in metres.
     pub fn new(env: E, reach_distance: f32) -> Self {
         let spec = env.spec().clone();
         let last = spec.last_stage();
@@ -103,11 +104,11 @@ impl<const N: usize, E: Simulated<N>> Player<E, N> {
         Ok(Played { episode, seen })
     }
 
-    /// Plays an episode again and tells it in messages, the first one sent at `begin`, in
+    /// Plays an episode again; what happens as messages, the first one sent at `begin`, in
     /// nanoseconds.
-    pub fn tell(&mut self, script: &ActionLog, begin: u64) -> Result<Vec<Timed>, PlayError> {
+    pub fn messages(&mut self, script: &ActionLog, begin: u64) -> Result<Vec<Timed>, PlayError> {
         let played = self.play(script)?;
-        Ok(self.relay.tell(script, &played, begin))
+        Ok(self.relay.messages(script, &played, begin))
     }
 }
 
@@ -123,7 +124,7 @@ impl<const N: usize> Relay<N> {
         }
     }
 
-    fn tell(&self, script: &ActionLog, played: &Played<N>, begin: u64) -> Vec<Timed> {
+    fn messages(&self, script: &ActionLog, played: &Played<N>, begin: u64) -> Vec<Timed> {
         let Played { episode, seen } = played;
         let EnvSpec { obs_dim: observation, action_dim: action, tolerances, .. } = self.spec;
         let Episode { desired, observations, achieved, actions } = episode;
@@ -181,8 +182,7 @@ impl<const N: usize> Relay<N> {
     }
 
     fn stage(&self, now: &Achieved<N>, desired: &Desired<N>) -> Stage<N> {
-        let stage = Stage::of(now, desired, &self.spec.tolerances, self.reach_distance);
-        if stage.index() < self.last.index() { stage } else { self.last }
+        Stage::of(now, desired, &self.spec.tolerances, self.reach_distance).at_most(self.last)
     }
 
     /// Marks what the task asks for, what the current stage asks for, and what hindsight will: here

@@ -31,7 +31,7 @@ pub fn verify<const N: usize, E: Simulated<N>>(
     recorded: &Recorded,
 ) -> Result<Option<Difference>, PlayError> {
     let begin = recorded.messages.first().map_or(0, |sent| sent.time);
-    let simulated = player.tell(&recorded.script, begin)?;
+    let simulated = player.messages(&recorded.script, begin)?;
     // A whole episode has as many messages as its number of steps asks for.
     debug_assert_eq!(recorded.messages.len(), simulated.len());
     let pairs = || {

@@ -6,6 +6,12 @@ import sys
 import minari
 import numpy as np
 
+
+
+def limits(space):
+    return [float(space.low.min()), float(space.high.max())]
+
+
 dataset = minari.MinariDataset(sys.argv[1])
 episodes = list(dataset.iterate_episodes())
 first = episodes[0]
@@ -29,7 +35,19 @@ print(
             "truncated_at": [int(np.flatnonzero(episode.truncations)[0]) for episode in episodes],
             "terminated": bool(any(episode.terminations.any() for episode in episodes)),
             "successes": list(first.infos["is_success"].shape),
-            "seeds": [metadata["seed"] for metadata in dataset.storage.get_episode_metadata([0, 1])],
+            "kinds": {
+                "observations": str(dataset.observation_space["observation"].dtype),
+                "actions": str(dataset.action_space.dtype),
+            },
+            "limits": {
+                "observations": limits(dataset.observation_space["achieved_goal"]),
+                "actions": limits(dataset.action_space),
+            },
+            "size": [
+                dataset.storage.metadata.get("dataset_size"),
+                float(dataset.storage.get_size()),
+            ],
+            "seeds": [metadata.get("seed") for metadata in dataset.storage.get_episode_metadata([0, 1])],
             "last_observation": first.observations["observation"][-1].tolist(),
             "last_action": first.actions[-1].tolist(),
         }

@@ -1,7 +1,7 @@
 //! `rher export`: episodes as a dataset of demonstrations.
 
 use super::stop_on_interrupt;
-use crate::cli::{DatasetFormat, ExportArgs};
+use crate::cli::{ExportArgs, FormatName};
 use crate::exit_code::Status;
 use crate::observe::thousands;
 use crate::printer::Printer;
@@ -9,79 +9,127 @@ use crate::trained::Trained;
 use rher_core::evaluate::play;
 use rher_core::seed::Seed;
 use rher_envs::{EnvVisitor, Simulated};
-use rher_record::export::{Demonstration, lerobot, minari};
-use rher_record::{About, Player, Recording, Source};
+use rher_record::export::{Dataset, DatasetFormat, DatasetId, Demonstration, ExportError};
+use rher_record::{Player, Recording, RecordingInfo, Source};
 use std::num::NonZeroU64;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Episodes to play where nothing is said.
 const EPISODES: u64 = 100;
 
+/// The format has no place for an identity.
+#[derive(Debug, thiserror::Error)]
+#[error("`--dataset-id` is for `--format minari`: a LeRobot dataset does not contain an identity")]
+pub(crate) struct NoDatasetId;
+
 pub(crate) fn export(args: &ExportArgs, printer: Printer) -> anyhow::Result<Status> {
-    let ExportArgs { path, format, out, episodes, .. } = args;
+    if args.dataset_id.is_some() && matches!(args.format, FormatName::Lerobot) {
+        return Err(NoDatasetId.into());
+    }
     let stop = stop_on_interrupt(move |line| printer.note(line), "stopping; nothing is written")?;
-    let recorded = path.extension().is_some_and(|extension| extension == "mcap");
-    let (about, demonstrations) = if recorded {
-        let Recording { about, episodes: all } = Recording::read(path)?;
-        let first = episodes.map_or(all.len(), |episodes| episodes.get() as usize);
-        let demonstrations =
-            all.iter().take(first).map(|episode| Demonstration::recorded(&about, episode));
-        let demonstrations = demonstrations.collect();
-        (about, demonstrations)
+    let recorded = args.path.extension().is_some_and(|extension| extension == "mcap");
+    let written = if recorded {
+        convert(args, printer, &stop)?
     } else {
-        let trained = Trained::load(path)?;
+        let trained = Trained::load(&args.path)?;
         let (task, options) = (trained.task, trained.options.clone());
-        let episodes = episodes.map_or(EPISODES, NonZeroU64::get);
-        let seed = args.seed;
-        task.visit_with(&options, PlayAll { trained, episodes, seed, stop: &stop })??
+        task.visit_with(&options, PlayAll { trained, args, stop: &stop })??
     };
-    if stop.load(Ordering::Relaxed) {
-        return Ok(Status::Interrupted);
-    }
-    match format {
-        DatasetFormat::Minari => minari(out, &about, &demonstrations)?,
-        DatasetFormat::Lerobot => lerobot(out, &about, &demonstrations)?,
-    }
-    let steps: usize = demonstrations.iter().map(|demonstration| demonstration.steps).sum();
-    printer.note(format_args!(
-        "{} episodes, {} steps, in `{}`",
-        demonstrations.len(),
-        thousands(steps as u64),
-        out.display()
-    ));
+    let Some(Written { episodes, steps }) = written else { return Ok(Status::Interrupted) };
+    let (steps, out) = (thousands(steps), args.out.display());
+    printer.note(format_args!("{episodes} episodes, {steps} steps, in `{out}`"));
     Ok(Status::Success)
 }
 
-/// Episodes of a policy on a task that is known at run time.
+/// What is in a dataset.
+#[derive(Default)]
+struct Written {
+    episodes: u64,
+    steps: u64,
+}
+
+impl Written {
+    fn add(
+        &mut self,
+        dataset: &mut Dataset,
+        demonstration: &Demonstration,
+    ) -> Result<(), ExportError> {
+        dataset.add(demonstration)?;
+        self.episodes += 1;
+        self.steps += demonstration.steps as u64;
+        Ok(())
+    }
+}
+
+fn start(args: &ExportArgs, info: &RecordingInfo) -> Result<Dataset, ExportError> {
+    let format = match args.format {
+        FormatName::Minari => {
+            let id = args.dataset_id.clone();
+            DatasetFormat::Minari(id.unwrap_or_else(|| DatasetId::of_task(&info.task)))
+        }
+        FormatName::Lerobot => DatasetFormat::Lerobot,
+    };
+    Dataset::create(&args.out, format, info)
+}
+
+/// Makes a dataset of a recording; nothing if it was stopped.
+fn convert(
+    args: &ExportArgs,
+    printer: Printer,
+    stop: &AtomicBool,
+) -> anyhow::Result<Option<Written>> {
+    let mut recording = Recording::open(&args.path)?;
+    let info = recording.info.clone();
+    let mut dataset = start(args, &info)?;
+    let mut written = Written::default();
+    let first = args.episodes.map_or(u64::MAX, NonZeroU64::get);
+    while written.episodes < first
+        && let Some(recorded) = recording.next()
+    {
+        if stop.load(Ordering::Relaxed) {
+            return Ok(None);
+        }
+        written.add(&mut dataset, &Demonstration::recorded(&info, &recorded?))?;
+    }
+    dataset.finish()?;
+    if recording.is_cut_off() {
+        printer.warn(super::unfinished(&args.path));
+    }
+    Ok(Some(written))
+}
+
+/// Makes a dataset of a policy's episodes on a task that is known at run time; nothing if it was
+/// stopped.
 struct PlayAll<'a> {
     trained: Trained,
-    episodes: u64,
-    seed: u64,
+    args: &'a ExportArgs,
     stop: &'a AtomicBool,
 }
 
 impl EnvVisitor for PlayAll<'_> {
-    type Output = anyhow::Result<(About, Vec<Demonstration>)>;
+    type Output = anyhow::Result<Option<Written>>;
 
     fn visit<const N: usize, E: Simulated<N>>(self, build: impl Fn() -> E + Sync) -> Self::Output {
-        let Self { trained, episodes, seed, stop } = self;
+        let Self { trained, args, stop } = self;
         let policy = &trained.policy;
         let mut env = build();
         policy.info().check_spec(env.spec())?;
         let reach_distance = policy.info().reach_distance;
-        let about = About::new(env.spec(), Source::Policy, seed, reach_distance);
+        let info = RecordingInfo::new(env.spec(), Source::Policy, args.seed, reach_distance);
         let mut player = Player::new(build(), reach_distance);
         let stage = policy.info().last_stage::<N>()?;
-        let mut demonstrations = Vec::new();
-        for number in 0..episodes {
+        let mut dataset = start(args, &info)?;
+        let mut written = Written::default();
+        for number in 0..args.episodes.map_or(EPISODES, NonZeroU64::get) {
             if stop.load(Ordering::Relaxed) {
-                break;
+                return Ok(None);
             }
-            let seed = Seed(seed);
-            let played = play(&mut env, policy, stage, trained.test_policy(), seed, number)?;
-            let messages = player.tell(&played.script(number, None), 0)?;
-            demonstrations.push(Demonstration::told(&about, &messages));
+            let (test_policy, seed) = (trained.test_policy(), Seed(args.seed));
+            let played = play(&mut env, policy, stage, test_policy, seed, number)?;
+            let messages = player.messages(&played.script(number, None), 0)?;
+            written.add(&mut dataset, &Demonstration::played(&info, &messages))?;
         }
-        Ok((about, demonstrations))
+        dataset.finish()?;
+        Ok(Some(written))
     }
 }

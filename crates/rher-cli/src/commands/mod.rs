@@ -14,6 +14,7 @@ mod sweep;
 mod tasks;
 mod train;
 
+pub(crate) use export::NoDatasetId;
 pub(crate) use replay::NotReal;
 
 use crate::cli::{BenchCommand, Command};
@@ -24,6 +25,7 @@ use comfy_table::Table;
 use comfy_table::presets::NOTHING;
 use rher_envs::{Options, Task};
 use std::num::NonZeroUsize;
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -54,6 +56,11 @@ pub(crate) fn made_with(variant: &str, task: Task) -> anyhow::Result<Options> {
         return Ok(Options::of(task.options()));
     }
     variant.parse().with_context(|| format!("cannot read the options of `{task}`: {variant}"))
+}
+
+/// The warning that a recording was read up to its last whole episode.
+fn unfinished(path: &Path) -> String {
+    format!("`{}` is not finished: an episode at its end may be left out", path.display())
 }
 
 /// As many threads as were asked for, or as there are cores.

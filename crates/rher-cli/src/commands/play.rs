@@ -10,7 +10,7 @@ use rher_core::evaluate::{Played, final_distance, play as play_episode};
 use rher_core::goal::{EncodedGoal, Tolerances};
 use rher_core::seed::Seed;
 use rher_envs::{EnvVisitor, Simulated};
-use rher_record::{About, Player, RecordingFile, Source, layout_beside};
+use rher_record::{Player, RecordingFile, RecordingInfo, Source, layout_beside};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 pub(crate) fn play(args: &PlayArgs, printer: Printer) -> anyhow::Result<Status> {
@@ -34,9 +34,9 @@ impl EnvVisitor for Play<'_> {
         let env = build();
         trained.policy.info().check_spec(env.spec())?;
         let reach_distance = trained.policy.info().reach_distance;
-        let mut about = About::new(env.spec(), Source::Policy, args.seed, reach_distance);
-        trained.describe(&mut about)?;
-        let recording = args.mcap.as_ref().map(|path| RecordingFile::create(path, &about));
+        let mut info = RecordingInfo::new(env.spec(), Source::Policy, args.seed, reach_distance);
+        trained.describe(&mut info)?;
+        let recording = args.mcap.as_ref().map(|path| RecordingFile::create(path, &info));
         let mut recording = recording.transpose()?;
         let mut pictures = Pictures::new(args.gif.as_ref(), args.png_dir.as_ref())?;
         let mut player = Player::new(build(), reach_distance);
@@ -45,7 +45,7 @@ impl EnvVisitor for Play<'_> {
         let mut show = |number, played: &Played<N>| -> anyhow::Result<()> {
             if let Some(recording) = &mut recording {
                 let script = played.script(number, critic.as_ref());
-                recording.add(&player.tell(&script, recording.next())?)?;
+                recording.add(&player.messages(&script, recording.next())?)?;
             }
             if let Some(pictures) = &mut pictures {
                 pictures.add(number, &player.play(&played.script(number, None))?.seen)?;

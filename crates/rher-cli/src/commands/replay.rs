@@ -7,7 +7,7 @@ use crate::observe::thousands;
 use crate::printer::Printer;
 use rher_envs::{EnvVisitor, Simulated, Task};
 use rher_record::verify::{Difference, verify};
-use rher_record::{Player, Recording};
+use rher_record::{Player, ReadError, Recording, RecordingInfo};
 use std::path::{Path, PathBuf};
 
 /// A recording is not what happens.
@@ -31,55 +31,62 @@ pub(crate) struct NotReal {
 
 pub(crate) fn replay(args: &ReplayArgs, printer: Printer) -> anyhow::Result<()> {
     let ReplayArgs { path, verify } = args;
-    let recording = Recording::read(path)?;
-    let name = recording.about.task.clone();
+    let mut recording = Recording::open(path)?;
+    let name = recording.info.task.clone();
     let task: Task = name.parse().map_err(|_| ForeignTask { name })?;
-    let options = made_with(&recording.about.options, task)?;
+    let options = made_with(&recording.info.options, task)?;
     if *verify {
-        let steps = task.visit_with(&options, Verify { recording: &recording, path })??;
+        let verify = Verify { recording: &mut recording, path };
+        let [episodes, steps] = task.visit_with(&options, verify)??;
         printer.data(&format!(
-            "real: {} episodes, {} steps of `{task}`, played again bit for bit",
-            recording.episodes.len(),
+            "real: {episodes} episodes, {} steps of `{task}`, played again bit for bit",
             thousands(steps)
         ))?;
     } else {
-        printer.data(&list(&recording))?;
+        printer.data(&list(&mut recording)?)?;
+    }
+    if recording.is_cut_off() {
+        printer.warn(super::unfinished(path));
     }
     Ok(())
 }
 
-/// Proof that every episode of a recording was real; the number of their steps.
+/// Proof that every episode of a recording was real; the number of episodes and of their steps.
 struct Verify<'a> {
-    recording: &'a Recording,
+    recording: &'a mut Recording,
     path: &'a Path,
 }
 
 impl EnvVisitor for Verify<'_> {
-    type Output = anyhow::Result<u64>;
+    type Output = anyhow::Result<[u64; 2]>;
 
     fn visit<const N: usize, E: Simulated<N>>(self, build: impl Fn() -> E + Sync) -> Self::Output {
-        let Self { recording: Recording { about, episodes }, path } = self;
-        let mut player = Player::new(build(), about.reach_distance);
-        let mut steps = 0;
-        for episode in episodes {
-            if let Some(difference) = verify(&mut player, episode)? {
+        let Self { recording, path } = self;
+        let RecordingInfo { reach_distance, rher, rapier, .. } = recording.info.clone();
+        let mut player = Player::new(build(), reach_distance);
+        let [mut episodes, mut steps] = [0; 2];
+        for episode in recording {
+            let episode = episode?;
+            if let Some(difference) = verify(&mut player, &episode)? {
                 let ours = [env!("CARGO_PKG_VERSION"), rher_envs::RAPIER_VERSION];
-                let theirs = [&*about.rher, &*about.rapier];
-                let made_by = (ours != theirs)
-                    .then(|| format!("rher {} with Rapier {}", about.rher, about.rapier));
+                let made_by = (ours != [&*rher, &*rapier])
+                    .then(|| format!("rher {rher} with Rapier {rapier}"));
                 let path = path.to_owned();
                 return Err(NotReal { path, difference, made_by }.into());
             }
+            episodes += 1;
             steps += episode.script.decisions.len() as u64;
         }
-        Ok(steps)
+        Ok([episodes, steps])
     }
 }
 
-fn list(Recording { about, episodes }: &Recording) -> String {
+fn list(recording: &mut Recording) -> Result<String, ReadError> {
     let mut lines = table();
     lines.set_header(["episode", "seed", "steps", "success", "distance"]);
-    for episode in episodes {
+    let mut count = 0;
+    for episode in recording.by_ref() {
+        let episode = episode?;
         let end = episode.end();
         lines.add_row([
             episode.script.number.to_string(),
@@ -88,16 +95,13 @@ fn list(Recording { about, episodes }: &Recording) -> String {
             if end.success { "yes" } else { "no" }.to_owned(),
             format!("{:.1} cm", 100.0 * end.distance),
         ]);
+        count += 1;
     }
-    let source = match about.source {
+    let RecordingInfo { source, task, rher, .. } = &recording.info;
+    let source = match source {
         rher_record::Source::Training => "training",
         rher_record::Source::Policy => "a policy",
     };
-    format!(
-        "{} episodes of {source} on `{}`, recorded by rher {}\n{}",
-        episodes.len(),
-        about.task,
-        about.rher,
-        text(&lines)
-    )
+    let of = format!("{count} episodes of {source} on `{task}`, recorded by rher {rher}");
+    Ok(format!("{of}\n{}", text(&lines)))
 }

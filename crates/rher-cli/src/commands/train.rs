@@ -12,9 +12,9 @@ use rher_core::event::{Metrics, Progress, Seconds};
 use rher_core::train::checkpoint;
 use rher_core::train::{Finish, Trainer};
 use rher_envs::{EnvVisitor, Simulated, Task};
-use rher_record::{About, Source};
 #[cfg(feature = "live")]
 use rher_record::{Live, Player};
+use rher_record::{RecordingFile, RecordingInfo, Source};
 use rher_runs::{MetricsFile, RunDir, Settings, settings};
 use std::num::NonZeroU64;
 use std::path::Path;
@@ -130,13 +130,17 @@ impl EnvVisitor for Session {
         let (config, options) = (trainer.config().clone(), made_with);
         let settings = Settings { config, options };
         folder.write_config(&settings)?;
+        // What a killed process was recording.
+        for path in RecordingFile::recover(folder.path())? {
+            printer.note(format_args!("finished the recording `{}`", path.display()));
+        }
         let recorder = match record_every {
             Some(every) => {
                 let (env, TrainConfig { seed, relay, .. }) = (build(), &settings.config);
-                let mut about =
-                    About::new(env.spec(), Source::Training, *seed, relay.reach_distance);
-                about.config = settings::to_toml(&settings)?;
-                Some(Recorder::new(every, &folder, about, env))
+                let mut info =
+                    RecordingInfo::new(env.spec(), Source::Training, *seed, relay.reach_distance);
+                info.config = settings::to_toml(&settings)?;
+                Some(Recorder::new(every, &folder, info, env))
             }
             None => None,
         };
@@ -179,8 +183,15 @@ fn run<const N: usize, E: Simulated<N>>(
     watch.progress.finish();
     let recorded = watch.recorder.map(Recorder::finish).transpose();
     let finish = finish?;
-    if let Some((episodes, path)) = recorded?.flatten() {
-        printer.note(format_args!("recorded {episodes} episodes in `{}`", path.display()));
+    match recorded {
+        Ok(Some(Some((episodes, path)))) => {
+            printer.note(format_args!("recorded {episodes} episodes in `{}`", path.display()));
+        }
+        Ok(_) => {}
+        Err(error) => printer.warn(format_args!(
+            "the recording is not finished: {error}: {}; its whole episodes can still be read",
+            error.source
+        )),
     }
     printer.note(summary(finish, trainer.progress(), watch.last.as_ref(), folder));
     Ok(match finish {

@@ -8,7 +8,9 @@ pub(crate) use progress::{ProgressView, duration, percent, thousands};
 pub(crate) use recorder::Recorder;
 pub(crate) use tensorboard::EventFile;
 
+use recorder::RecorderError;
 use rher_core::event::{Event, Metrics, Observer, ObserverError};
+use rher_core::files::FileError;
 use rher_envs::Simulated;
 use rher_runs::MetricsFile;
 
@@ -25,6 +27,18 @@ pub(crate) struct Watch<E, const N: usize> {
     pub(crate) last: Option<Metrics>,
 }
 
+impl<const N: usize, E: Simulated<N>> Watch<E, N> {
+    /// Training is worth more than its recording.
+    fn go_without_recording(&mut self, error: &FileError) {
+        let kept = self.recorder.take().and_then(Recorder::stop);
+        let kept = kept.map(|path| format!("; the episodes before are in `{}`", path.display()));
+        let (path, source, kept) = (error.path.display(), &error.source, kept.unwrap_or_default());
+        self.progress.warn(&format!(
+            "recording has stopped, training continues: cannot write `{path}`: {source}{kept}"
+        ));
+    }
+}
+
 impl<const N: usize, E: Simulated<N>> Observer for Watch<E, N> {
     fn on(&mut self, event: &Event) -> Result<(), ObserverError> {
         match event {
@@ -38,7 +52,7 @@ impl<const N: usize, E: Simulated<N>> Observer for Watch<E, N> {
                 self.progress.evaluated(metrics);
                 #[cfg(feature = "live")]
                 if let Some(live) = &self.live {
-                    live.tell(metrics);
+                    live.send(metrics);
                 }
                 self.last = Some(metrics.as_ref().clone());
             }
@@ -46,7 +60,11 @@ impl<const N: usize, E: Simulated<N>> Observer for Watch<E, N> {
                 if let Some(recorder) = &mut self.recorder
                     && recorder.wants(script.number)
                 {
-                    recorder.record(script)?;
+                    match recorder.record(script) {
+                        Ok(()) => {}
+                        Err(RecorderError::Play(error)) => return Err(ObserverError(error.into())),
+                        Err(RecorderError::Write(error)) => self.go_without_recording(&error),
+                    }
                 }
                 #[cfg(feature = "live")]
                 if let Some(live) = &self.live {

@@ -72,6 +72,14 @@ impl ProgressView {
         }
     }
 
+    /// Prints a warning.
+    pub(crate) fn warn(&self, text: &str) {
+        match &self.bar {
+            Some(bar) => bar.suspend(|| self.printer.warn(text)),
+            None => self.printer.warn(text),
+        }
+    }
+
     /// Takes the bar away, so that other text can follow.
     pub(crate) fn finish(&self) {
         if let Some(bar) = &self.bar {

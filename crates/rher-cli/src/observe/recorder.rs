@@ -1,50 +1,61 @@
 //! Recordings of training episodes, exploration included.
 
-use rher_core::event::ObserverError;
 use rher_core::explore::ActionLog;
 use rher_core::files::FileError;
 use rher_envs::Simulated;
-use rher_record::{About, Player, RecordingFile};
+use rher_record::{PlayError, Player, RecordingFile, RecordingInfo};
 use rher_runs::RunDir;
 use std::num::NonZeroU64;
 use std::path::PathBuf;
 
-/// Records every so many training episodes in the folder of their run.
+/// Records every K-th training episode in the folder of its run.
 pub(crate) struct Recorder<E, const N: usize> {
     every: NonZeroU64,
     folder: PathBuf,
-    about: About,
+    info: RecordingInfo,
     player: Player<E, N>,
     /// `None` until there is an episode.
     file: Option<RecordingFile>,
 }
 
+/// An episode is not recorded.
+pub(crate) enum RecorderError {
+    /// The file cannot be written.
+    Write(FileError),
+    /// The episode cannot be played again.
+    Play(PlayError),
+}
+
 impl<const N: usize, E: Simulated<N>> Recorder<E, N> {
     /// A recorder that plays episodes again in `env`.
-    pub(crate) fn new(every: NonZeroU64, folder: &RunDir, about: About, env: E) -> Self {
-        let player = Player::new(env, about.reach_distance);
-        Self { every, folder: folder.path().to_owned(), about, player, file: None }
+    pub(crate) fn new(every: NonZeroU64, folder: &RunDir, info: RecordingInfo, env: E) -> Self {
+        let player = Player::new(env, info.reach_distance);
+        Self { every, folder: folder.path().to_owned(), info, player, file: None }
     }
 
-    /// The first episode of the run, and then one in so many.
+    /// The first episode of the run, and then every K-th.
     pub(crate) fn wants(&self, episode: u64) -> bool {
         episode.is_multiple_of(self.every.get())
     }
 
     /// Records an episode.
-    pub(crate) fn record(&mut self, script: &ActionLog) -> Result<(), ObserverError> {
+    pub(crate) fn record(&mut self, script: &ActionLog) -> Result<(), RecorderError> {
         let file = match &mut self.file {
             Some(file) => file,
             empty => {
-                // A run that goes on has another first episode, and does not write over this file.
+                // A resumed run has another first episode, and does not write over this file.
                 let name = format!("episodes-{}.mcap", script.number);
-                let file = RecordingFile::create(&self.folder.join(name), &self.about);
-                empty.insert(file.map_err(|error| ObserverError(error.into()))?)
+                let file = RecordingFile::create(&self.folder.join(name), &self.info);
+                empty.insert(file.map_err(RecorderError::Write)?)
             }
         };
-        let messages = self.player.tell(script, file.next());
-        let messages = messages.map_err(|error| ObserverError(error.into()))?;
-        file.add(&messages).map_err(|error| ObserverError(error.into()))
+        let messages = self.player.messages(script, file.next()).map_err(RecorderError::Play)?;
+        file.add(&messages).map_err(RecorderError::Write)
+    }
+
+    /// Stops after an error; the file that keeps the whole episodes, if there are any.
+    pub(crate) fn stop(self) -> Option<PathBuf> {
+        self.file.and_then(RecordingFile::keep_whole)
     }
 
     /// Gives the recording its name; how many episodes are in it, and where it is.

@@ -1,8 +1,10 @@
 //! LeRobot datasets, version 3.0, without pictures.
 
-use super::columns::{Column, write_table};
-use super::{Demonstration, ExportError, whole_folder, write};
-use crate::About;
+use super::columns::{Column, Named, Table, write_table};
+use super::demonstration::Demonstration;
+use super::error::{ExportError, write};
+use super::stats::Stats;
+use crate::RecordingInfo;
 use rher_envs::STEP_SECONDS;
 use serde_json::{Map, Value, json};
 use std::path::Path;
@@ -11,76 +13,135 @@ const VERSION: &str = "v3.0";
 const FRAMES_PER_SECOND: u32 = (1.0 / STEP_SECONDS + 0.5) as u32;
 const DATA: &str = "data/chunk-000/file-000.parquet";
 
-/// Writes the folder of a dataset, which `LeRobotDataset` opens as its `root`.
+/// Frames that are collected before they are written.
+const ROW_GROUP: usize = 4096;
+
+/// A dataset that `LeRobotDataset` opens with its folder as `root`, while it is written.
 ///
 /// The goal is `observation.environment_state`: with it policies learn without pictures.
-pub fn lerobot(
-    path: &Path,
-    about: &About,
-    demonstrations: &[Demonstration],
-) -> Result<(), ExportError> {
-    let features = features(demonstrations);
-    whole_folder(path, |folder| {
-        let columns: Vec<_> = features.into_iter().map(Feature::split).collect();
-        let (columns, described): (Vec<_>, Vec<_>) = columns.into_iter().unzip();
-        let of = |part: fn(&Described) -> &Value| -> Map<String, Value> {
-            described.iter().map(|it| (it.name.to_owned(), part(it).clone())).collect()
+pub(super) struct Lerobot {
+    info: RecordingInfo,
+    /// Frames of each episode.
+    lengths: Vec<u32>,
+    /// Episodes that are not in the table yet.
+    waiting: Vec<Demonstration>,
+    written: Option<Box<Written>>,
+}
+
+/// What is in the table of frames.
+struct Written {
+    table: Table,
+    episodes: usize,
+    frames: usize,
+    features: Vec<Feature>,
+}
+
+/// A column of the table.
+struct Feature {
+    name: &'static str,
+    kind: &'static str,
+    width: usize,
+    stats: Stats,
+}
+
+impl Lerobot {
+    pub(super) fn new(info: &RecordingInfo) -> Self {
+        let (lengths, waiting) = (Vec::new(), Vec::new());
+        Self { info: info.clone(), lengths, waiting, written: None }
+    }
+
+    pub(super) fn add(
+        &mut self,
+        folder: &Path,
+        demonstration: &Demonstration,
+    ) -> Result<(), ExportError> {
+        self.lengths.push(demonstration.steps as u32);
+        self.waiting.push(demonstration.clone());
+        let frames: usize = self.waiting.iter().map(|waiting| waiting.steps).sum();
+        if frames < ROW_GROUP { Ok(()) } else { self.write_waiting(folder) }
+    }
+
+    /// Moves the episodes that wait to the table.
+    fn write_waiting(&mut self, folder: &Path) -> Result<(), ExportError> {
+        let waiting = std::mem::take(&mut self.waiting);
+        let [episodes, frames] =
+            self.written.as_ref().map_or([0; 2], |written| [written.episodes, written.frames]);
+        let columns = columns(&waiting, episodes, frames);
+        let kinds = columns.iter().map(|(name, kind, column)| (*name, *kind, numbers(column)));
+        let values: Vec<_> = kinds.collect();
+        let columns: Vec<Named> =
+            columns.into_iter().map(|(name, _, column)| (name, column)).collect();
+        let written = match &mut self.written {
+            Some(written) => written,
+            none => {
+                let table = Table::create(&folder.join(DATA), &columns, None)?;
+                let features = values.iter().map(|&(name, kind, (width, _))| Feature {
+                    name,
+                    kind,
+                    width,
+                    stats: Stats::new(width),
+                });
+                let features = features.collect();
+                none.insert(Box::new(Written { table, episodes, frames, features }))
+            }
         };
-        write_table(&folder.join(DATA), &columns, None)?;
-        let (names, pandas) = tasks(about);
+        written.table.add(&columns)?;
+        for (feature, (_, _, (_, values))) in written.features.iter_mut().zip(&values) {
+            feature.stats.add(values);
+        }
+        written.episodes += waiting.len();
+        written.frames += waiting.iter().map(|waiting| waiting.steps).sum::<usize>();
+        Ok(())
+    }
+
+    pub(super) fn finish(mut self, folder: &Path) -> Result<(), ExportError> {
+        if !self.waiting.is_empty() {
+            self.write_waiting(folder)?;
+        }
+        let Self { info, lengths, written, .. } = self;
+        let Some(written) = written else { return Ok(()) };
+        let Written { table, episodes: count, frames, features } = *written;
+        table.finish()?;
+        let (names, pandas) = tasks(&info);
         write_table(&folder.join("meta/tasks.parquet"), &names, Some(("pandas", pandas)))?;
-        let episodes = episodes(about, demonstrations);
+        let episodes = episodes(&info, lengths);
         write_table(&folder.join("meta/episodes/chunk-000/file-000.parquet"), &episodes, None)?;
-        let stats = Value::Object(of(|it| &it.stats));
+        let of = |part: fn(&Feature) -> Value| -> Map<String, Value> {
+            features.iter().map(|feature| (feature.name.to_owned(), part(feature))).collect()
+        };
+        let stats = Value::Object(of(|feature| feature.stats.to_json()));
         write(&folder.join("meta/stats.json"), format!("{stats:#}\n").as_bytes())?;
-        let frames: usize = demonstrations.iter().map(|demonstration| demonstration.steps).sum();
+        let described =
+            of(|feature| json!({ "dtype": feature.kind, "shape": [feature.width], "names": null }));
         let info = json!({
             "codebase_version": VERSION,
             "robot_type": "fetch",
-            "total_episodes": demonstrations.len(),
+            "total_episodes": count,
             "total_frames": frames,
             "total_tasks": 1,
             "chunks_size": 1000,
             "data_files_size_in_mb": 100,
             "video_files_size_in_mb": 200,
             "fps": FRAMES_PER_SECOND,
-            "splits": { "train": format!("0:{}", demonstrations.len()) },
+            "splits": { "train": format!("0:{count}") },
             "data_path": "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet",
             "video_path": null,
-            "features": of(|it| &it.feature),
+            "features": described,
         });
         write(&folder.join("meta/info.json"), format!("{info:#}\n").as_bytes())
-    })
+    }
 }
 
-/// A column of the data, a row for each action.
-struct Feature {
-    name: &'static str,
-    kind: &'static str,
-    column: Column,
-}
-
-/// What is told of a column besides its rows.
-struct Described {
-    name: &'static str,
-    feature: Value,
-    stats: Value,
-}
-
-impl Feature {
-    fn split(self) -> ((&'static str, Column), Described) {
-        let Self { name, kind, column } = self;
-        let (width, values) = match &column {
-            Column::Lists(width, values) => (*width, doubles(values)),
-            Column::Numbers(values) => (1, doubles(values)),
-            Column::Integers(values) => (1, values.iter().copied().map(f64::from).collect()),
-            Column::Flags(values) => {
-                (1, values.iter().map(|flag| f64::from(u8::from(*flag))).collect())
-            }
-            Column::Texts(_) | Column::TextLists(_) | Column::Group(_) => (1, Vec::new()),
-        };
-        let feature = json!({ "dtype": kind, "shape": [width], "names": null });
-        ((name, column), Described { name, feature, stats: stats(width, &values) })
+/// How wide a column is, and its numbers row by row.
+fn numbers(column: &Column) -> (usize, Vec<f64>) {
+    match column {
+        Column::Lists(width, values) => (*width, doubles(values)),
+        Column::Numbers(values) => (1, doubles(values)),
+        Column::Integers(values) => (1, values.iter().copied().map(f64::from).collect()),
+        Column::Flags(values) => {
+            (1, values.iter().map(|flag| f64::from(u8::from(*flag))).collect())
+        }
+        _ => (1, Vec::new()),
     }
 }
 
@@ -88,15 +149,22 @@ fn doubles(values: &[f32]) -> Vec<f64> {
     values.iter().map(|value| f64::from(*value)).collect()
 }
 
-fn features(demonstrations: &[Demonstration]) -> Vec<Feature> {
+/// The columns of these episodes, after so many episodes and frames.
+fn columns(
+    demonstrations: &[Demonstration],
+    episodes_before: usize,
+    frames_before: usize,
+) -> [(&'static str, &'static str, Column); 11] {
     let [observation, goal, action] = demonstrations[0].widths();
     let rows = |row: &dyn Fn(&Demonstration) -> Vec<f32>| -> Vec<f32> {
         demonstrations.iter().flat_map(row).collect()
     };
     let steps = || demonstrations.iter().map(|demonstration| demonstration.steps);
     let in_episode = || steps().flat_map(|steps| 0..steps);
-    let episode = steps().enumerate().flat_map(|(index, steps)| vec![index as u32; steps]);
+    let episode = (episodes_before..).zip(steps());
+    let episode = episode.flat_map(|(index, steps)| vec![index as u32; steps]);
     let total = in_episode().count();
+    let index = frames_before..frames_before + total;
     let done = steps().flat_map(|steps| (1..=steps).map(move |step| step == steps));
     let successes = demonstrations.iter().flat_map(|it| it.successes[1..].to_vec());
     let seen = rows(&|it| it.observations[..it.steps * observation].to_vec());
@@ -112,62 +180,22 @@ fn features(demonstrations: &[Demonstration]) -> Vec<Feature> {
         ("timestamp", "float32", Column::Numbers(time.collect())),
         ("frame_index", "int64", Column::Integers(in_episode().map(|step| step as u32).collect())),
         ("episode_index", "int64", Column::Integers(episode.collect())),
-        ("index", "int64", Column::Integers((0..total as u32).collect())),
+        ("index", "int64", Column::Integers(index.map(|index| index as u32).collect())),
         ("task_index", "int64", Column::Integers(vec![0; total])),
     ]
-    .map(|(name, kind, column)| Feature { name, kind, column })
-    .into()
 }
 
-/// Of every number of a row, over all rows.
-fn stats(width: usize, values: &[f64]) -> Value {
-    let rows = values.len() / width;
-    let columns: Vec<Vec<f64>> = (0..width)
-        .map(|column| {
-            let mut numbers: Vec<f64> =
-                values.iter().skip(column).step_by(width).copied().collect();
-            numbers.sort_by(f64::total_cmp);
-            numbers
-        })
-        .collect();
-    let mean = |numbers: &[f64]| numbers.iter().sum::<f64>() / rows as f64;
-    let deviation = |numbers: &[f64]| {
-        let mean = mean(numbers);
-        (numbers.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / rows as f64).sqrt()
-    };
-    let quantile = |numbers: &[f64], share: f64| {
-        let place = share * (rows - 1) as f64;
-        let (low, part) = (numbers[place as usize], place.fract());
-        low + part * (numbers[place.ceil() as usize] - low)
-    };
-    let of = |what: &dyn Fn(&[f64]) -> f64| -> Vec<f64> {
-        columns.iter().map(|numbers| what(numbers)).collect()
-    };
-    json!({
-        "min": of(&|numbers| numbers[0]),
-        "max": of(&|numbers| numbers[rows - 1]),
-        "mean": of(&mean),
-        "std": of(&deviation),
-        "count": [rows],
-        "q01": of(&|numbers| quantile(numbers, 0.01)),
-        "q10": of(&|numbers| quantile(numbers, 0.1)),
-        "q50": of(&|numbers| quantile(numbers, 0.5)),
-        "q90": of(&|numbers| quantile(numbers, 0.9)),
-        "q99": of(&|numbers| quantile(numbers, 0.99)),
-    })
+/// The instruction that the robot follows.
+fn instruction(info: &RecordingInfo) -> String {
+    info.task.replace('-', " ")
 }
 
-/// What the robot is told to do.
-fn instruction(about: &About) -> String {
-    about.task.replace('-', " ")
-}
-
-/// The table of tasks, whose rows are named by the instruction: pandas is told so in a note.
-fn tasks(about: &About) -> (Vec<(&'static str, Column)>, String) {
+/// The table of tasks, whose rows are named by the instruction; a note for pandas says so.
+fn tasks(info: &RecordingInfo) -> (Vec<Named>, String) {
     const NAME: &str = "__index_level_0__";
     let columns = vec![
         ("task_index", Column::Integers(vec![0])),
-        (NAME, Column::Texts(vec![instruction(about)])),
+        (NAME, Column::Texts(vec![instruction(info)])),
     ];
     let column = |name: Value, field, pandas, numpy| {
         json!({
@@ -190,9 +218,8 @@ fn tasks(about: &About) -> (Vec<(&'static str, Column)>, String) {
     (columns, note.to_string())
 }
 
-fn episodes(about: &About, demonstrations: &[Demonstration]) -> Vec<(&'static str, Column)> {
-    let count = demonstrations.len();
-    let lengths: Vec<u32> = demonstrations.iter().map(|it| it.steps as u32).collect();
+fn episodes(info: &RecordingInfo, lengths: Vec<u32>) -> Vec<Named> {
+    let count = lengths.len();
     let ends: Vec<u32> = lengths
         .iter()
         .scan(0, |sum, length| {
@@ -204,7 +231,7 @@ fn episodes(about: &About, demonstrations: &[Demonstration]) -> Vec<(&'static st
     let zeros = || Column::Integers(vec![0; count]);
     vec![
         ("episode_index", Column::Integers((0..count as u32).collect())),
-        ("tasks", Column::TextLists(vec![instruction(about); count])),
+        ("tasks", Column::TextLists(vec![instruction(info); count])),
         ("length", Column::Integers(lengths)),
         ("data/chunk_index", zeros()),
         ("data/file_index", zeros()),

@@ -1,6 +1,7 @@
-//! What a recording says of itself.
+//! The description of a recording: what all of its episodes have in common.
 
 use rher_core::env::EnvSpec;
+use rher_core::goal::Leg;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -22,17 +23,18 @@ pub enum Source {
 
 /// What holds for all episodes of a recording: a metadata record of text.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct About {
+pub struct RecordingInfo {
     /// Name of the task.
     pub task: String,
     /// Options that its environments were made with, as [`rher_envs::Options`] writes them.
     pub options: String,
     /// Where the episodes come from.
     pub source: Source,
-    /// Seed of the run, or of the episodes that were asked for.
+    /// Seed of the run, or of the episodes that were played.
     #[serde(with = "as_text")]
     pub seed: u64,
-    /// The paper's d, by which stages are told, in metres.
+    /// The paper's d: how near the gripper counts as at an object when stages are recorded, in
+    /// metres.
     #[serde(with = "as_text")]
     pub reach_distance: f32,
     /// Sub-tasks of the task.
@@ -56,12 +58,12 @@ struct Versioned {
     #[serde(with = "as_text")]
     version: u32,
     #[serde(flatten)]
-    about: About,
+    info: RecordingInfo,
 }
 
 /// A description cannot be read.
 #[derive(Debug, thiserror::Error)]
-pub enum AboutError {
+pub enum InfoError {
     /// It is of another version.
     #[error("it has version {found}, expected {VERSION}")]
     Version {
@@ -73,8 +75,8 @@ pub enum AboutError {
     Malformed(#[from] serde_json::Error),
 }
 
-impl About {
-    /// A recording that this program makes; settings and policy are added by whoever knows them.
+impl RecordingInfo {
+    /// Describes a recording that this program makes; the caller adds settings and policy.
     pub fn new<const N: usize>(
         spec: &EnvSpec<N>,
         source: Source,
@@ -95,19 +97,24 @@ impl About {
         }
     }
 
+    /// Whether the last sub-task reaches an object or places one.
+    pub fn last_leg(&self) -> Leg {
+        Leg::of_subtask(self.subtasks.saturating_sub(1))
+    }
+
     pub(crate) fn to_record(&self) -> BTreeMap<String, String> {
-        let versioned = Versioned { version: VERSION, about: self.clone() };
+        let versioned = Versioned { version: VERSION, info: self.clone() };
         let value = serde_json::to_value(versioned).and_then(serde_json::from_value);
         value.expect("every entry is text")
     }
 
-    pub(crate) fn from_record(record: &BTreeMap<String, String>) -> Result<Self, AboutError> {
+    pub(crate) fn from_record(record: &BTreeMap<String, String>) -> Result<Self, InfoError> {
         let found = record.get("version").cloned().unwrap_or_default();
         if found != VERSION.to_string() {
-            return Err(AboutError::Version { found });
+            return Err(InfoError::Version { found });
         }
         let value = serde_json::to_value(record)?;
-        Ok(serde_json::from_value::<Versioned>(value)?.about)
+        Ok(serde_json::from_value::<Versioned>(value)?.info)
     }
 }
 
