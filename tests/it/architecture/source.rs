@@ -222,6 +222,30 @@ fn path_at(tokens: &[TokenTree], before: &mut Segments, paths: &mut Vec<Segments
     at
 }
 
+/// A circle among these files, if there is one.
+pub(crate) fn circle<'a>(imports: &BTreeMap<&'a str, BTreeSet<&'a str>>) -> Option<Vec<&'a str>> {
+    fn visit<'a>(
+        file: &'a str,
+        imports: &BTreeMap<&'a str, BTreeSet<&'a str>>,
+        open: &mut Vec<&'a str>,
+        done: &mut BTreeSet<&'a str>,
+    ) -> Option<Vec<&'a str>> {
+        if let Some(start) = open.iter().position(|it| *it == file) {
+            return Some(open[start..].to_vec());
+        }
+        if done.contains(file) {
+            return None;
+        }
+        open.push(file);
+        let found = imports.get(file)?.iter().find_map(|next| visit(next, imports, open, done));
+        open.pop();
+        done.insert(file);
+        found
+    }
+    let mut done = BTreeSet::new();
+    imports.keys().find_map(|file| visit(file, imports, &mut vec![], &mut done))
+}
+
 /// Every Rust file under `folder`, sorted.
 pub(crate) fn rust_files(folder: &Path) -> Vec<PathBuf> {
     let mut found = vec![];
