@@ -52,6 +52,44 @@ fn a_damaged_policy_file_is_refused() {
 }
 
 #[test]
+fn every_flipped_bit_of_a_policy_file_is_noticed() {
+    let mut config = small("magnet", 1);
+    config.env_steps = 25;
+    config.agent.hidden = vec![4];
+    let mut trainer = Trainer::new(config, vec![Magnet::<1>::new()], 1).unwrap();
+    trainer.run(None, &mut Lines::default(), &AtomicBool::new(false)).unwrap();
+    let mut file = trainer.policy().to_bytes();
+    assert_eq!(file, trainer.policy().to_bytes(), "equal policies have equal files");
+    let path = "policy".as_ref();
+    assert!(Policy::from_bytes(&file, path).is_ok());
+    for bit in 0..8 * file.len() {
+        file[bit / 8] ^= 1 << (bit % 8);
+        assert!(Policy::from_bytes(&file, path).is_err(), "bit {bit}");
+        file[bit / 8] ^= 1 << (bit % 8);
+    }
+}
+
+#[test]
+fn metadata_that_describe_an_enormous_network_are_refused() {
+    let file = trained().to_bytes();
+    let text = String::from_utf8_lossy(&file).into_owned();
+    assert!(text.contains("[32,32]"), "the widths of its layers");
+    // Version 1 has no checksum, so what is wrong is seen by its size alone.
+    for widths in ["[1000000000,1000000000]", "[9223372036854775808]", "[18446744073709551615]"] {
+        let length = u64::from_le_bytes(*file.first_chunk().unwrap()) as usize;
+        let header = String::from_utf8(file[8..8 + length].to_vec()).unwrap();
+        let header = header
+            .replace("hidden\\\":[32,32]", &format!("hidden\\\":{widths}"))
+            .replace("version\\\":2", "version\\\":1");
+        let mut changed = (header.len() as u64).to_le_bytes().to_vec();
+        changed.extend(header.bytes());
+        changed.extend(&file[8 + length..]);
+        let error = Policy::from_bytes(&changed, "policy".as_ref()).unwrap_err();
+        assert!(error.to_string().contains("a larger network than fits"), "{error}");
+    }
+}
+
+#[test]
 fn an_actor_for_another_scene_is_refused() {
     let policy = trained();
     let refused = |error: rher_core::policy::Mismatch| error.to_string();

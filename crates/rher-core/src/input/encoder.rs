@@ -60,8 +60,20 @@ impl InputEncoder {
     }
 
     /// Whether its parts fit each other, which those of a damaged file may not.
-    pub(crate) fn is_consistent(&self) -> bool {
-        self.turns.as_ref().is_none_or(|turns| turns.fits(self.observation(), self.objects()))
+    pub(crate) fn check(&self) -> Result<(), String> {
+        let wrong = |what: &str| Err(format!("the statistics of {what} do not fit each other"));
+        if !self.observation.is_consistent(self.observation.width()) {
+            return wrong("its observations");
+        }
+        if !self.slots.iter().all(|slot| slot.is_consistent(3)) {
+            return wrong("its goals");
+        }
+        let fits = |turns: &Turns| turns.fits(self.observation(), self.objects());
+        if self.turns.as_ref().is_none_or(fits) {
+            Ok(())
+        } else {
+            Err("the order of its objects does not fit its observation".to_owned())
+        }
     }
 
     /// How goals are encoded.

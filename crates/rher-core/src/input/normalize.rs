@@ -32,6 +32,19 @@ impl Normalizer {
         }
     }
 
+    /// Whether its parts fit a vector of `width` numbers and each other, which those of a damaged
+    /// file may not.
+    pub(super) fn is_consistent(&self, width: usize) -> bool {
+        let lengths = [self.sums.len(), self.squares.len(), self.inverse_deviation.len()];
+        let is_scale = |scale: &f32| scale.is_finite() && *scale > 0.0;
+        self.mean.len() == width
+            && lengths == [width; 3]
+            && self.count >= 0.0
+            && self.count.is_finite()
+            && self.mean.iter().all(|mean| mean.is_finite())
+            && self.inverse_deviation.iter().all(is_scale)
+    }
+
     /// Numbers in a vector.
     pub fn width(&self) -> usize {
         self.mean.len()

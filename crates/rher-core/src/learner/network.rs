@@ -97,6 +97,22 @@ impl Shape {
         self.tensors().last().map_or(0, |tensor| tensor.range.end)
     }
 
+    /// How many parameters there are, computed without making anything; `None` where the count
+    /// exceeds every memory, which it can in a damaged file.
+    pub fn checked_parameters(&self) -> Option<usize> {
+        let widths = self.hidden.iter().chain([&self.outputs]);
+        let norm = if self.layer_norm { 2 } else { 0 };
+        let mut count = 0_usize;
+        let mut inputs = self.inputs;
+        for (index, &outputs) in widths.enumerate() {
+            let vectors = if index < self.hidden.len() { 1 + norm } else { 1 };
+            let layer = inputs.checked_add(vectors)?.checked_mul(outputs)?;
+            count = count.checked_add(layer)?;
+            inputs = outputs;
+        }
+        Some(count)
+    }
+
     /// Draws the parameters of an untrained network.
     pub fn draw(&self, init: Init, rng: &mut impl Rng) -> Vec<f32> {
         let mut values = vec![0.0; self.parameters()];

@@ -1,4 +1,7 @@
 //! The policy file: tensors in the safetensors format, all else as JSON in its metadata.
+//!
+//! The first entry of the JSON is the CRC-32 of the whole file, computed with zeros in its own place,
+//! so that no damage goes unnoticed. Files of version 1 have none.
 
 use super::info::PolicyInfo;
 use super::model::Policy;
@@ -11,7 +14,16 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 /// Version of the policy file.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
+
+/// The last version without a checksum, which is still read.
+const WITHOUT_CHECKSUM: u32 = 1;
+
+/// What stands before the checksum, as the header of the file has it: JSON in a string of JSON.
+const BEFORE_CHECKSUM: &[u8] = br#"\"crc32\":\""#;
+
+/// What stands in the checksum's place while it is computed.
+const NO_CHECKSUM: &str = "00000000";
 
 /// Key of the description in the file's metadata.
 const METADATA: &str = "rher";
@@ -19,6 +31,8 @@ const METADATA: &str = "rher";
 /// All of a policy file that is not a tensor.
 #[derive(Serialize, Deserialize)]
 struct Metadata {
+    #[serde(default)]
+    crc32: String,
     version: u32,
     #[serde(rename = "about")]
     info: PolicyInfo,
@@ -60,6 +74,7 @@ impl Policy {
     /// What is in the policy's file: its tensors, and all else in the metadata.
     pub fn to_bytes(&self) -> Vec<u8> {
         let metadata = Metadata {
+            crc32: NO_CHECKSUM.to_owned(),
             version: VERSION,
             info: self.info.clone(),
             shape: self.shape.clone(),
@@ -73,7 +88,12 @@ impl Policy {
         });
         let description = serde_json::to_string(&metadata).expect("its keys are strings");
         let metadata = HashMap::from([(METADATA.to_owned(), description)]);
-        safetensors::serialize(tensors, Some(metadata)).expect("every tensor is as long as it says")
+        let mut file = safetensors::serialize(tensors, Some(metadata))
+            .expect("every tensor is as long as it says");
+        let place = checksum_place(&file).expect("it was written just now");
+        let checksum = format!("{:08x}", crc32fast::hash(&file));
+        file[place].copy_from_slice(checksum.as_bytes());
+        file
     }
 
     /// Reads what [`to_bytes`](Self::to_bytes) wrote; an error calls it `path`.
@@ -86,10 +106,25 @@ impl Policy {
             .as_ref()
             .and_then(|metadata| metadata.get(METADATA))
             .ok_or_else(|| malformed(format!("its metadata has no `{METADATA}`")))?;
-        let Metadata { version, info, shape, encoder } = serde_json::from_str(description)
-            .map_err(|error| malformed(format!("its metadata: {error}")))?;
-        if version != VERSION {
-            return Err(malformed(format!("it has version {version}, expected {VERSION}")));
+        let Metadata { crc32: _, version, info, shape, encoder } =
+            serde_json::from_str(description)
+                .map_err(|error| malformed(format!("its metadata: {error}")))?;
+        match version {
+            WITHOUT_CHECKSUM => {}
+            VERSION => check_checksum(file).map_err(malformed)?,
+            _ => {
+                return Err(malformed(format!(
+                    "it has version {version}, expected {WITHOUT_CHECKSUM} or {VERSION}"
+                )));
+            }
+        }
+        // Before anything is made that is as large as the metadata say.
+        let numbers = shape.checked_parameters().filter(|count| *count <= file.len() / 4);
+        if numbers.is_none() {
+            return Err(malformed(format!(
+                "its metadata describe a larger network than fits in its {} bytes",
+                file.len()
+            )));
         }
         let tensors =
             SafeTensors::deserialize(file).map_err(|error| malformed(error.to_string()))?;
@@ -131,12 +166,40 @@ impl Policy {
                 "{subtasks} sub-tasks, {untrained} of them untrained, for {objects} objects"
             ));
         }
-        if !encoder.is_consistent() {
-            return Err("the order of its objects does not fit its observation".to_owned());
+        encoder.check()?;
+        if !(info.reach_distance.is_finite() && info.reach_distance >= 0.0) {
+            return Err(format!("a reach distance of {} m", info.reach_distance));
         }
         match parameters.iter().position(|x| !x.is_finite()) {
             Some(index) => Err(format!("parameter {index} is {}", parameters[index])),
             None => Ok(()),
+        }
+    }
+}
+
+/// Where the digits of the checksum stand in a file.
+fn checksum_place(file: &[u8]) -> Option<std::ops::Range<usize>> {
+    let length = u64::from_le_bytes(*file.first_chunk()?);
+    let header = file.get(8..8_usize.checked_add(usize::try_from(length).ok()?)?)?;
+    let is_entry = |window: &[u8]| window == BEFORE_CHECKSUM;
+    let start = header.windows(BEFORE_CHECKSUM.len()).position(is_entry)?;
+    let digits = 8 + start + BEFORE_CHECKSUM.len();
+    file.get(digits..digits + NO_CHECKSUM.len())?;
+    Some(digits..digits + NO_CHECKSUM.len())
+}
+
+fn check_checksum(file: &[u8]) -> Result<(), String> {
+    let place = checksum_place(file).ok_or("its checksum is missing")?;
+    let mut hasher = crc32fast::Hasher::new();
+    hasher.update(&file[..place.start]);
+    hasher.update(NO_CHECKSUM.as_bytes());
+    hasher.update(&file[place.end..]);
+    let computed = format!("{:08x}", hasher.finalize());
+    match &file[place] {
+        expected if *expected == *computed.as_bytes() => Ok(()),
+        expected => {
+            let expected = expected.escape_ascii();
+            Err(format!("it is damaged: its checksum is {computed}, expected {expected}"))
         }
     }
 }

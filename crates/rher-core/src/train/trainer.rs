@@ -249,7 +249,8 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
     /// Trains until the run is at its end, or until `stop` is set.
     ///
     /// With a `folder`, a checkpoint and the policy are written there before the first step, at
-    /// every evaluation, and when stopped; stopping waits for the end of the episode.
+    /// every evaluation, and when stopped; stopping waits for the end of the episode. A policy there
+    /// that is not that of the checkpoint, because a stop fell between the two, is written again.
     pub fn run(
         &mut self,
         folder: Option<&Path>,
@@ -258,6 +259,8 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
     ) -> Result<Finish, TrainError> {
         if self.state.episodes == 0 {
             self.save_to(folder, observer)?;
+        } else if let Some(folder) = folder {
+            self.renew_policy(folder)?;
         }
         loop {
             if let Some(finish) = self.finished() {
@@ -462,6 +465,15 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
             observer.on(&Event::Saved)?;
         }
         Ok(())
+    }
+
+    /// Writes the policy again if the one in the run's folder is another or cannot be read.
+    fn renew_policy(&self, folder: &Path) -> Result<(), TrainError> {
+        let path = folder.join(checkpoint::POLICY_FILE);
+        match Policy::load(&path) {
+            Ok(found) if found == self.policy => Ok(()),
+            _ => Ok(self.policy.save(&path).map_err(CheckpointError::from)?),
+        }
     }
 
     /// Writes a checkpoint of the whole run, and the policy, into its folder.
