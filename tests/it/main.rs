@@ -22,3 +22,4 @@ mod sweep;
 mod tensorboard;
 #[path = "../venv.rs"]
 mod venv;
+mod versions;
