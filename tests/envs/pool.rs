@@ -5,6 +5,7 @@ use rand_chacha::ChaCha8Rng;
 use rher_core::seed::{Purpose, Seed};
 use rher_envs::tasks::{Push, Reach};
 use rher_envs::{AutoReset, EnvVisitor, Frames, Pool, Simulated, Simulation, Task};
+use std::num::NonZeroUsize;
 
 fn pool(envs: usize, threads: usize, auto_reset: AutoReset) -> Pool<Simulation<Push, 1>, 1> {
     Pool::new((0..envs).map(|_| Simulation::new()).collect(), threads, auto_reset).unwrap()
@@ -139,4 +140,37 @@ fn where_the_task_is_to_reach_the_gripper_is_what_is_achieved() {
     pool.step(&[1.0, 0.0, 0.0, 0.0]).unwrap();
     assert_eq!(pool.now().achieved, pool.now().observations[..3]);
     assert_ne!(pool.now().achieved, pool.now().desired);
+}
+
+#[test]
+fn a_record_leads_another_pool_to_the_same_place() {
+    let mut rng = ChaCha8Rng::seed_from_u64(3);
+    let actions: Vec<Vec<f32>> = (0..12)
+        .map(|_| {
+            let mut actions = vec![0.0; 3 * 4];
+            actions.fill_with(|| rng.random_range(-1.5..1.5));
+            actions
+        })
+        .collect();
+    let five = NonZeroUsize::new(5).unwrap();
+    for auto_reset in [AutoReset::NextStep, AutoReset::SameStep] {
+        for steps in 0..8 {
+            let mut first = pool(3, 2, auto_reset).with_episode_steps(five);
+            first.reset(&[7, 8, u64::MAX]).unwrap();
+            actions[..steps].iter().for_each(|actions| first.step(actions).unwrap());
+            let record = first.record();
+            let text = serde_json::to_string(&record).unwrap();
+            let mut second = pool(3, 1, auto_reset).with_episode_steps(five);
+            second.play(&serde_json::from_str(&text).unwrap()).unwrap();
+            assert_eq!(second.record(), record, "{auto_reset:?} {steps}");
+            for actions in &actions[steps..] {
+                first.step(actions).unwrap();
+                second.step(actions).unwrap();
+                assert_eq!(second.record(), first.record(), "{auto_reset:?} {steps}");
+            }
+        }
+    }
+    let error = pool(2, 1, AutoReset::Never).play(&pool(3, 1, AutoReset::Never).record());
+    let text = error.unwrap_err().to_string();
+    assert_eq!(text, "records of environments: 3 numbers, expected 2 for 2 environments");
 }

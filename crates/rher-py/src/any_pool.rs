@@ -3,9 +3,10 @@
 use crate::any_env::read;
 use rher_core::env::Env;
 use rher_envs::{
-    AutoReset, EnvVisitor, Frames, OptionError, Options, Pool, PoolError, Simulated, Task,
-    reward_of_goals,
+    AutoReset, EnvVisitor, Frames, OptionError, Options, Pool, PoolError, PoolRecord, Simulated,
+    Task, reward_of_goals,
 };
+use std::num::NonZeroUsize;
 
 /// A [`Pool`], whatever its task.
 pub(crate) trait AnyPool: Send {
@@ -24,6 +25,10 @@ pub(crate) trait AnyPool: Send {
     fn successes(&self) -> &[bool];
 
     fn ended(&self) -> &[bool];
+
+    fn record(&self) -> PoolRecord;
+
+    fn play(&mut self, record: &PoolRecord) -> Result<(), PoolError>;
 
     /// Whether what is seen now solves the task, row by row.
     fn solved(&self) -> Vec<bool>;
@@ -62,6 +67,14 @@ impl<E: Env<N>, const N: usize> AnyPool for Pool<E, N> {
         Self::ended(self)
     }
 
+    fn record(&self) -> PoolRecord {
+        Self::record(self)
+    }
+
+    fn play(&mut self, record: &PoolRecord) -> Result<(), PoolError> {
+        Self::play(self, record)
+    }
+
     fn solved(&self) -> Vec<bool> {
         let Frames { achieved, desired, .. } = Self::now(self);
         let rows = achieved.chunks_exact(3 * N).zip(desired.chunks_exact(3 * N));
@@ -69,28 +82,34 @@ impl<E: Env<N>, const N: usize> AnyPool for Pool<E, N> {
     }
 }
 
-/// Makes `envs` environments of `task`, stepped by as many `threads`.
+/// What a pool is made of.
+#[derive(Clone, Copy)]
+pub(crate) struct Size {
+    pub(crate) envs: usize,
+    pub(crate) threads: usize,
+    pub(crate) auto_reset: AutoReset,
+    /// Those of the task if it is None.
+    pub(crate) episode_steps: Option<NonZeroUsize>,
+}
+
+/// Makes a pool of environments of `task`.
 pub(crate) fn build(
     task: Task,
     options: &Options,
-    envs: usize,
-    threads: usize,
-    auto_reset: AutoReset,
+    size: Size,
 ) -> Result<Result<Box<dyn AnyPool>, PoolError>, OptionError> {
-    task.visit_with(options, Build { envs, threads, auto_reset })
+    task.visit_with(options, size)
 }
 
-struct Build {
-    envs: usize,
-    threads: usize,
-    auto_reset: AutoReset,
-}
-
-impl EnvVisitor for Build {
+impl EnvVisitor for Size {
     type Output = Result<Box<dyn AnyPool>, PoolError>;
 
     fn visit<const N: usize, E: Simulated<N>>(self, build: impl Fn() -> E + Sync) -> Self::Output {
         let envs: Vec<E> = (0..self.envs).map(|_| build()).collect();
-        Ok(Box::new(Pool::new(envs, self.threads, self.auto_reset)?))
+        let pool = Pool::new(envs, self.threads, self.auto_reset)?;
+        Ok(match self.episode_steps {
+            Some(steps) => Box::new(pool.with_episode_steps(steps)),
+            None => Box::new(pool),
+        })
     }
 }

@@ -1,26 +1,40 @@
 //! Many environments, stepped together from Python.
 
 use crate::any_env::Widths;
-use crate::any_pool::{self, AnyPool};
+use crate::any_pool::{self, AnyPool, Size};
 use crate::arrays::{as_doubles, read};
-use crate::error::{InputError, StateError, told, unlocked};
+use crate::error::{InputError, InternalError, StateError, told, unlocked};
 use crate::made::{made_of, parse};
 use crate::threads::allowed;
 use numpy::{PyArray1, PyArray2, PyArrayMethods as _};
 use pyo3::intern;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyTuple};
-use rher_envs::{AutoReset, Frames, PoolError};
+use pyo3::types::{PyBytes, PyDict, PyTuple, PyType};
+use rher_envs::{AutoReset, Frames, PoolError, PoolRecord};
+use serde::{Deserialize, Serialize};
+use std::num::NonZeroUsize;
 use std::sync::{Mutex, MutexGuard, TryLockError};
 
 /// Environments of one task that are stepped together, without Python's lock.
 #[pyclass(frozen, module = "rher._rher")]
 pub(crate) struct VectorEnv {
+    made: Made,
     envs: usize,
     widths: Widths,
     slot: Mutex<Slot>,
     /// What steps write to, if it is not a new array each time.
     kept: Option<Arrays>,
+}
+
+/// What the environments were made of, in Python's words: what a copy is made of.
+#[derive(Clone)]
+struct Made {
+    task: String,
+    options: String,
+    threads: Option<usize>,
+    auto_reset: String,
+    copy: bool,
+    episode_steps: Option<NonZeroUsize>,
 }
 
 /// What changes in the environments.
@@ -32,7 +46,14 @@ struct Slot {
     actions: Vec<f32>,
 }
 
-/// What a step is told by: one row for each environment.
+/// How environments got to where they are.
+#[derive(Serialize, Deserialize)]
+struct State {
+    seeded: bool,
+    record: PoolRecord,
+}
+
+/// What a step returns: one row for each environment.
 struct Arrays {
     observations: Py<PyArray2<f64>>,
     achieved: Py<PyArray2<f64>>,
@@ -55,7 +76,7 @@ impl Arrays {
         }
     }
 
-    /// Writes what the environments see now, and returns it as Gymnasium has it.
+    /// Writes what the environments see now, and returns it as Gymnasium's dictionary.
     fn see<'py>(&self, py: Python<'py>, now: &Frames) -> PyResult<Bound<'py, PyDict>> {
         let dict = PyDict::new(py);
         for (name, array, numbers) in [
@@ -78,7 +99,8 @@ fn unwritable(error: numpy::BorrowError) -> PyErr {
 #[pymethods]
 impl VectorEnv {
     /// `envs` environments of `task`, stepped by `threads` or by as many as this process may use,
-    /// at most one for each environment; with `copy`, every step makes new arrays.
+    /// at most one for each environment; with `copy`, every step makes new arrays; episodes end
+    /// after `episode_steps`, or after those of the task.
     #[new]
     fn new(
         py: Python<'_>,
@@ -88,7 +110,16 @@ impl VectorEnv {
         threads: Option<usize>,
         auto_reset: &str,
         copy: bool,
+        episode_steps: Option<NonZeroUsize>,
     ) -> PyResult<Self> {
+        let made = Made {
+            task: task.to_owned(),
+            options: options.to_owned(),
+            threads,
+            auto_reset: auto_reset.to_owned(),
+            copy,
+            episode_steps,
+        };
         let auto_reset = match auto_reset {
             "NextStep" => AutoReset::NextStep,
             "SameStep" => AutoReset::SameStep,
@@ -104,13 +135,14 @@ impl VectorEnv {
             let (_, _, one) = made_of(task, options)?;
             let (task, options) = parse(task, options)?;
             let threads = threads.unwrap_or_else(allowed).min(envs);
-            let pool = any_pool::build(task, &options, envs, threads, auto_reset);
+            let size = Size { envs, threads, auto_reset, episode_steps };
+            let pool = any_pool::build(task, &options, size);
             let pool = pool.map_err(|error| invalid(&error))?.map_err(|error| invalid(&error))?;
             PyResult::Ok((one.widths(), pool))
         })??;
         let slot = Slot { pool: Some(pool), seeded: false, actions: Vec::new() };
         let kept = (!copy).then(|| Arrays::new(py, envs, &widths));
-        Ok(Self { envs, widths, slot: Mutex::new(slot), kept })
+        Ok(Self { made, envs, widths, slot: Mutex::new(slot), kept })
     }
 
     /// Whether the environments have been seeded.
@@ -193,6 +225,57 @@ impl VectorEnv {
         (frames, info(py, &solved, pool.ended())?).into_pyobject(py)
     }
 
+    /// How the environments got to where they are, as bytes.
+    fn get_state<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let slot = self.lock()?;
+        let record = slot.pool.as_ref().ok_or_else(closed)?.record();
+        let bytes = serde_json::to_vec(&State { seeded: slot.seeded, record });
+        let bytes = bytes.map_err(|error| InternalError::new_err(told(&error)))?;
+        Ok(PyBytes::new(py, &bytes))
+    }
+
+    /// Plays the running episodes again, and returns what is seen then: observations and infos.
+    fn set_state<'py>(&self, py: Python<'py>, state: &[u8]) -> PyResult<Bound<'py, PyTuple>> {
+        let State { seeded, record } = serde_json::from_slice(state).map_err(|error| {
+            InputError::new_err(format!("state: expected what get_state returned: {error}"))
+        })?;
+        let mut guard = self.lock()?;
+        let slot = &mut *guard;
+        let pool = slot.pool.as_mut().ok_or_else(closed)?;
+        unlocked(py, || pool.play(&record))?.map_err(|error| {
+            InputError::new_err(format!("state is of other environments: {}", told(&error)))
+        })?;
+        slot.seeded = seeded;
+        self.started(py, pool.as_ref(), &vec![true; self.envs])
+    }
+
+    /// What unpickling and copying do.
+    #[classmethod]
+    fn _rebuilt(
+        cls: &Bound<'_, PyType>,
+        made: (String, String, usize, Option<usize>, String, bool, Option<NonZeroUsize>),
+        state: Option<&[u8]>,
+    ) -> PyResult<Self> {
+        let py = cls.py();
+        let (task, options, envs, threads, auto_reset, copy, episode_steps) = made;
+        let new = Self::new(py, &task, &options, envs, threads, &auto_reset, copy, episode_steps)?;
+        match state {
+            Some(state) => drop(new.set_state(py, state)?),
+            None => new.close()?,
+        }
+        Ok(new)
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
+        let py = slf.py();
+        let env = slf.get();
+        let Made { task, options, threads, auto_reset, copy, episode_steps } = env.made.clone();
+        let made = (task, options, env.envs, threads, auto_reset, copy, episode_steps);
+        let is_open = env.lock()?.pool.is_some();
+        let state = is_open.then(|| env.get_state(py)).transpose()?;
+        (slf.get_type().getattr("_rebuilt")?, (made, state)).into_pyobject(py)
+    }
+
     /// Frees the environments; they cannot be used any more.
     fn close(&self) -> PyResult<()> {
         self.lock()?.pool = None;
@@ -201,7 +284,7 @@ impl VectorEnv {
 }
 
 impl VectorEnv {
-    /// What is told of environments whose episodes have begun.
+    /// Observations and infos of environments whose episodes have begun.
     fn started<'py>(
         &self,
         py: Python<'py>,

@@ -1,5 +1,7 @@
 """Environments stepped together: rows, autoreset modes, and what is refused."""
 
+import copy
+import pickle
 import threading
 import warnings
 
@@ -112,6 +114,82 @@ def test_rewards_of_goals_can_be_computed():
     assert list(envs.compute_reward(np.zeros((2, 3)), np.eye(2, 3), None)) == [-1, -1]
 
 
+MODES = [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP, AutoresetMode.DISABLED]
+
+
+@pytest.mark.parametrize("mode", MODES)
+@pytest.mark.parametrize("steps", [0, 3, 7, 8, 12])
+def test_copies_and_states_go_on_bitwise(mode, steps):
+    """Seven steps are an episode: some of these moments are between two."""
+    envs = together(mode, max_episode_steps=7, randomize={"friction": (0.5, 1.5)})
+    envs.reset(seed=[5, 6, 2**64 - 1])
+    drawn = actions(3, 30)
+    everyone = {"reset_mask": np.ones(3, bool)}
+
+    def play(envs, actions):
+        results = []
+        for action in actions:
+            results.append(envs.step(action))
+            if mode is AutoresetMode.DISABLED and results[-1][3].all():
+                results.append(envs.reset(options=everyone))
+        return results
+
+    play(envs, drawn[:steps])
+    state = envs.get_state()
+    twins = [copy.deepcopy(envs), pickle.loads(pickle.dumps(envs))]
+    expected = play(envs, drawn[steps:])
+    for twin in twins:
+        assert twin.num_envs == 3 and twin.autoreset_mode is mode
+        assert_same(tuple(play(twin, drawn[steps:])), tuple(expected))
+    fresh = together(mode, max_episode_steps=7, randomize={"friction": (0.5, 1.5)})
+    for other in (envs, fresh):
+        other.set_state(state)
+        assert_same(tuple(play(other, drawn[steps:])), tuple(expected))
+    assert_same(fresh.reset(), envs.reset())
+
+
+def test_copies_before_the_first_reset_and_after_the_end():
+    envs = together()
+    twin = copy.deepcopy(envs)
+    with pytest.raises(rher.StateError, match="has to be reset"):
+        twin.step(np.zeros((3, 4)))
+    assert_same(twin.reset(seed=1), envs.reset(seed=1))
+    envs.close()
+    with pytest.raises(rher.StateError, match="closed"):
+        pickle.loads(pickle.dumps(envs)).step(np.zeros((3, 4)))
+
+
+@pytest.mark.parametrize(
+    ("state", "message"),
+    [
+        (3, "state is 3, expected what get_state returned"),
+        (b"junk", "expected what get_state returned"),
+        (lambda: together(envs=2), "records of environments: 2 numbers, expected 3 for 3 environments"),
+        (lambda: together(name="rher/DPush-v0"), "recorded observations"),
+    ],
+)
+def test_states_of_others_are_refused(state, message):
+    if callable(state):
+        other = state()
+        other.reset(seed=0)
+        state = other.get_state()
+    envs = together()
+    envs.reset(seed=0)
+    with pytest.raises(rher.InputError, match=message):
+        envs.set_state(state)
+
+
+@pytest.mark.parametrize("steps", [1, 7, 60])
+def test_the_length_of_episodes_can_be_chosen(steps):
+    mode = AutoresetMode.NEXT_STEP
+    ours = together(mode, max_episode_steps=steps)
+    make = lambda: gymnasium.make("rher/Push-v0", max_episode_steps=steps)  # noqa: E731
+    theirs = SyncVectorEnv([make] * 3, autoreset_mode=mode)
+    assert_same(ours.reset(seed=4), theirs.reset(seed=4))
+    for action in actions(3, 65):
+        assert_same(ours.step(action), theirs.step(action))
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -119,7 +197,7 @@ def test_rewards_of_goals_can_be_computed():
         ({"threads": 0}, "threads is 0"),
         ({"render_mode": "rgb_array"}, "render_mode is 'rgb_array', expected None"),
         ({"mode": "Whenever"}, "expected NextStep, SameStep, Disabled"),
-        ({"max_episode_steps": 7}, "have 50 steps"),
+        ({"max_episode_steps": 0}, "max_episode_steps is 0"),
         ({"randomize": {"mass": 1}}, "options of `push`"),
     ],
 )

@@ -1,4 +1,4 @@
-"""The half of the package that is written in Rust; use the package itself."""
+"""The compiled half of the package; use the package itself."""
 
 import os
 from collections.abc import Callable, Sequence
@@ -19,7 +19,7 @@ def run_settings(folder: _Path) -> str:
 
 @final
 class State:
-    """A moment of an episode, to return to; it does not change, and can be pickled."""
+    """A moment of an episode that an environment can return to; immutable, and can be pickled."""
 
 @final
 class Env:
@@ -56,10 +56,17 @@ class Env:
 
 @final
 class VectorEnv:
-    """Environments of one task that are stepped together, without Python's lock."""
+    """Environments of one task that are stepped together without Python's lock."""
 
     def __new__(
-        cls, task: str, options: str, envs: int, threads: int | None, auto_reset: str, copy: bool
+        cls,
+        task: str,
+        options: str,
+        envs: int,
+        threads: int | None,
+        auto_reset: str,
+        copy: bool,
+        episode_steps: int | None,
     ) -> VectorEnv: ...
     @property
     def is_seeded(self) -> bool: ...
@@ -75,6 +82,8 @@ class VectorEnv:
         _Info,
     ]: ...
     def last(self) -> tuple[_Observation, _Info]: ...
+    def get_state(self) -> bytes: ...
+    def set_state(self, state: bytes) -> tuple[_Observation, _Info]: ...
     def close(self) -> None: ...
 
 @final
@@ -90,7 +99,7 @@ class Policy:
         """Reads a policy file, the ``policy.safetensors`` of a run."""
 
     def save(self, path: _Path) -> None:
-        """Writes a policy file, whole or not at all."""
+        """Writes a policy file; the file is complete or absent."""
 
     @property
     def task(self) -> str:
@@ -98,15 +107,15 @@ class Policy:
 
     @property
     def objects(self) -> int:
-        """How many objects its goals have."""
+        """Number of objects in its goals."""
 
     @property
     def observation_width(self) -> int:
-        """Numbers in an observation."""
+        """Length of an observation."""
 
     @property
     def action_width(self) -> int:
-        """Numbers in an action."""
+        """Length of an action."""
 
     def __call__(
         self,
@@ -118,13 +127,13 @@ class Policy:
         :param observation: the dictionary that the environment returns; or its ``observation``
             alone, ``(observation_width,)`` or ``(batch, observation_width)``.
         :param goal: where the objects should be, ``(3 * objects,)`` or ``(batch, 3 * objects)``, in
-            metres; the dictionary's ``desired_goal`` if it is not given.
+            meters; by default the ``desired_goal`` of the dictionary.
         :return: numbers within -1 and 1, ``(action_width,)`` or ``(batch, action_width)``.
         """
 
 @final
 class Trainer:
-    """A run in a folder of its own."""
+    """A run and its folder."""
 
     @classmethod
     def of_task(

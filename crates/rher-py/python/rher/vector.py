@@ -16,21 +16,23 @@ __all__ = ["TaskVectorEnv"]
 
 
 class TaskVectorEnv(VectorEnv):
-    """``num_envs`` environments like :class:`rher.TaskEnv`, on threads that do without Python.
+    """``num_envs`` environments like :class:`rher.TaskEnv`, stepped on threads without Python's lock.
 
-    Each row is bitwise what its environment would be alone, and no number depends on ``threads``.
+    Each row is, bit for bit, what its environment would be alone, whatever ``threads`` is.
 
     :param task: name of the task.
-    :param num_envs: how many there are.
-    :param threads: how many work at once; as many as there are cores if it is not given.
+    :param num_envs: number of environments.
+    :param threads: how many step environments at once; by default the number of processors that
+        this process may use, and never more than ``num_envs``.
     :param autoreset_mode: when an environment whose episode ended starts its next one: in the
         ``NEXT_STEP``, which ignores its action; in the ``SAME_STEP``, with the end in
         ``info["final_obs"]`` and ``info["final_info"]``; or, ``DISABLED``, with
         ``reset(options={"reset_mask": ...})``.
-    :param copy: whether every step returns new arrays; if not, it writes to the same ones, which
-        is for those who copy what they keep.
+    :param copy: whether every step returns new arrays; otherwise each step overwrites the arrays of
+        the step before.
     :param options: as in :class:`rher.TaskEnv`.
     :param randomize: as in :class:`rher.TaskEnv`.
+    :param max_episode_steps: steps after which an episode ends; by default those of the task.
     """
 
     def __init__(
@@ -61,11 +63,8 @@ class TaskVectorEnv(VectorEnv):
             raise InputError(f"autoreset_mode is {autoreset_mode!r}, expected {modes}") from None
         self.metadata = {"render_modes": [], "autoreset_mode": self.autoreset_mode}
         one = TaskEnv(task, options=options, randomize=randomize)
-        if max_episode_steps not in (None, one.episode_steps):
-            raise InputError(
-                f"max_episode_steps is {max_episode_steps}, but the episodes of {task!r} have "
-                f"{one.episode_steps} steps"
-            )
+        if max_episode_steps is not None:
+            max_episode_steps = whole("max_episode_steps", max_episode_steps, 1, 2**31 - 1)
         self._one = one
         self.single_observation_space, self.single_action_space = spaces_of(one._env)
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
@@ -77,6 +76,7 @@ class TaskVectorEnv(VectorEnv):
             threads,
             self.autoreset_mode.value,
             copy,
+            max_episode_steps,
         )
 
     def reset(
@@ -132,6 +132,21 @@ class TaskVectorEnv(VectorEnv):
                 info["final_obs"][row] = {name: array[row] for name, array in last.items()}
             info["_final_obs"], info["_final_info"] = ended.copy(), ended.copy()
         return result
+
+    def get_state(self) -> bytes:
+        """This moment of all environments, for :meth:`set_state`.
+        """
+        return self._envs.get_state()
+
+    def set_state(self, state: bytes) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
+        """Returns to a moment of environments like these: observations and infos.
+
+        The running episodes are simulated again, so this takes as long as they did. What follows
+        is, bit for bit, what followed there.
+        """
+        if not isinstance(state, bytes):
+            raise InputError(f"state is {state!r}, expected what get_state returned")
+        return self._envs.set_state(state)
 
     def compute_reward(
         self, achieved_goal: np.ndarray, desired_goal: np.ndarray, info: Any

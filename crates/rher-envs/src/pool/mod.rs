@@ -1,11 +1,17 @@
 //! Many environments of one task, stepped together.
 
+mod record;
+
+pub use record::PoolRecord;
+
 use crate::goals::achieved_goal;
 use crate::threads::Threads;
 use rayon::prelude::*;
 use rher_core::env::{Env, EnvError, EnvSpec, Start};
 use rher_core::goal::{Desired, EncodedGoal, Position};
 use rher_core::seed::{Purpose, Seed};
+use serde::{Deserialize, Serialize};
+use std::num::NonZeroUsize;
 
 /// When an environment starts its next episode.
 ///
@@ -52,7 +58,7 @@ pub struct Pool<E, const N: usize> {
 }
 
 /// What the environments see, row by row; positions in metres.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Frames {
     /// `[envs, observation]`.
     pub observations: Vec<f32>,
@@ -76,6 +82,8 @@ struct Slot<E, const N: usize> {
     seed: u64,
     /// Episodes started since.
     episodes: u64,
+    /// `[steps, action]`: actions of the running episode.
+    actions: Vec<f32>,
     /// None before the first reset and after a failure.
     running: Option<Running<N>>,
     failure: Option<EnvError>,
@@ -145,7 +153,10 @@ impl<E: Env<N>, const N: usize> Pool<E, N> {
         let spec = envs.first().ok_or(PoolError::Empty)?.spec().clone();
         let threads =
             Threads::new(threads).map_err(|source| PoolError::Threads { threads, source })?;
-        let slot = |env| Slot { env, seed: 0, episodes: 0, running: None, failure: None };
+        let slot = |env| {
+            let actions = Vec::new();
+            Slot { env, seed: 0, episodes: 0, actions, running: None, failure: None }
+        };
         Ok(Self {
             slots: envs.into_iter().map(slot).collect(),
             auto_reset,
@@ -158,6 +169,13 @@ impl<E: Env<N>, const N: usize> Pool<E, N> {
             clipped: vec![0; count],
             spec,
         })
+    }
+
+    /// Ends episodes after this number of steps instead of that of the environments.
+    #[must_use]
+    pub fn with_episode_steps(mut self, steps: NonZeroUsize) -> Self {
+        self.spec.episode_steps = steps.get();
+        self
     }
 
     /// Widths and limits of each environment.
@@ -327,7 +345,8 @@ impl<E: Env<N>, const N: usize> Row<'_, E, N> {
 
     /// Starts the next episode.
     fn begin(&mut self) -> Result<(), EnvError> {
-        let Slot { env, seed, episodes, running, .. } = self.slot;
+        let Slot { env, seed, episodes, actions, running, .. } = self.slot;
+        actions.clear();
         let seed = match *episodes {
             0 => *seed,
             count => Seed(*seed).episode(Purpose::Environment, count),
@@ -348,13 +367,14 @@ impl<E: Env<N>, const N: usize> Row<'_, E, N> {
 
     /// Acts for one step of an episode that was started.
     fn act(&mut self, action: &[f32]) -> Result<(), EnvError> {
-        let Slot { env, running, .. } = self.slot;
+        let Slot { env, actions, running, .. } = self.slot;
         let Some(Running { desired, step }) = running else { return Ok(()) };
         if *step == 0 {
             *self.clipped = 0;
         }
         *self.clipped += action.iter().filter(|x| x.abs() > 1.0).count() as u32;
         let achieved = env.step(action, self.now.0)?;
+        actions.extend_from_slice(action);
         *step += 1;
         *self.ended = *step == self.spec.episode_steps;
         let goal = EncodedGoal::new(self.spec.last_stage(), &achieved, desired);
