@@ -9,14 +9,14 @@ use rher_envs::{
 };
 use std::any::Any;
 
-/// What an environment shows, as Gymnasium has it.
+/// What an environment shows, in Gymnasium's terms.
 #[derive(Clone)]
 pub(crate) struct Frame {
     /// As wide as the task's observation.
     pub(crate) observation: Vec<f32>,
-    /// `[3 N]`, metres.
+    /// `[3 N]`, in meters.
     pub(crate) achieved: Vec<f32>,
-    /// `[3 N]`, metres.
+    /// `[3 N]`, in meters.
     pub(crate) desired: Vec<f32>,
     /// −1 or 0, of the last step.
     pub(crate) reward: f32,
@@ -31,11 +31,11 @@ pub(crate) struct Widths {
     pub(crate) action: usize,
     pub(crate) objects: usize,
     pub(crate) episode_steps: usize,
-    /// How near counts as there, in metres.
+    /// Distance below which a goal counts as reached, in meters.
     pub(crate) tolerance: f32,
 }
 
-/// What an environment goes on from.
+/// What an environment can return to.
 pub(crate) type Snapshot = Box<dyn Any + Send>;
 
 /// An environment, whatever its task.
@@ -53,7 +53,7 @@ pub(crate) trait AnyEnv: Send {
 
     fn snapshot(&self) -> Snapshot;
 
-    /// Goes on from a snapshot; false if it is of an environment of another kind.
+    /// Returns to a snapshot; false if it is of an environment of another type.
     fn restore(&mut self, snapshot: &Snapshot) -> bool;
 
     /// Everything that can be seen, marks for the goals last, and how many of them are marks.

@@ -78,19 +78,19 @@ impl Env {
         self.options.to_string()
     }
 
-    /// Numbers in an observation.
+    /// Length of an observation.
     #[getter]
     fn observation_width(&self) -> usize {
         self.widths.observation
     }
 
-    /// Numbers in an action.
+    /// Length of an action.
     #[getter]
     fn action_width(&self) -> usize {
         self.widths.action
     }
 
-    /// How many objects there are.
+    /// Number of objects.
     #[getter]
     fn objects(&self) -> usize {
         self.widths.objects
@@ -102,7 +102,7 @@ impl Env {
         self.widths.episode_steps
     }
 
-    /// How near counts as there, in metres.
+    /// Distance below which a goal counts as reached, in meters.
     #[getter]
     fn tolerance(&self) -> f32 {
         self.widths.tolerance
@@ -280,7 +280,7 @@ impl Env {
             Ok(slot) => Ok(slot),
             Err(TryLockError::Poisoned(poisoned)) => Ok(poisoned.into_inner()),
             Err(TryLockError::WouldBlock) => Err(StateError::new_err(
-                "the environment is in use by another thread; each thread needs one of its own",
+                "the environment is in use by another thread: make one for each thread",
             )),
         }
     }

@@ -12,7 +12,7 @@ use rher_core::env::{Env, EnvError, EnvSpec, Start};
 use rher_core::goal::{Achieved, Desired, Scene, Tolerances};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// What Python tells of its environment.
+/// What Python says about its environment.
 #[derive(Clone, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct About {
@@ -23,7 +23,7 @@ pub(crate) struct About {
     pub(crate) observation: usize,
     pub(crate) action: usize,
     pub(crate) episode_steps: usize,
-    /// Metres.
+    /// In meters.
     pub(crate) tolerance: f32,
     pub(crate) places: Places,
 }
@@ -54,7 +54,7 @@ enum ForeignError {
     Raised(String),
     #[error(
         "it ended its episode after {step} steps, expected {expected}: every episode must have \
-             as many steps"
+         the same number of steps"
     )]
     EndedEarly { step: usize, expected: usize },
 }

@@ -65,7 +65,7 @@ impl Policy {
         Self::new(policy.map_err(PolicyFailure)?)
     }
 
-    /// Writes a policy file, whole or not at all.
+    /// Writes a policy file; the file is complete or absent.
     fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         Ok(unlocked(py, || self.policy.save(&path))?.map_err(PolicyFailure)?)
     }
@@ -76,19 +76,19 @@ impl Policy {
         &self.policy.info().task
     }
 
-    /// How many objects its goals have.
+    /// Number of objects in its goals.
     #[getter]
     fn objects(&self) -> usize {
         self.policy.info().objects
     }
 
-    /// Numbers in an observation.
+    /// Length of an observation.
     #[getter]
     fn observation_width(&self) -> usize {
         self.policy.info().obs_dim
     }
 
-    /// Numbers in an action.
+    /// Length of an action.
     #[getter]
     fn action_width(&self) -> usize {
         self.policy.info().action_dim

@@ -33,7 +33,7 @@ use std::time::Duration;
 /// How often Python may handle signals during a run.
 const SIGNALS: Duration = Duration::from_millis(50);
 
-/// What a run is asked to do, in Python's words.
+/// The settings that Python passes.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Arguments {
@@ -56,7 +56,7 @@ impl Arguments {
     }
 }
 
-/// A run in a folder of its own.
+/// A run and its folder.
 #[pyclass(frozen, module = "rher._rher")]
 pub(crate) struct Trainer {
     folder: PathBuf,
@@ -101,7 +101,7 @@ impl Trainer {
         })?
     }
 
-    /// A run on an environment of the user's; `about` and `arguments` are JSON.
+    /// A run on the user's environment; `about` and `arguments` are JSON.
     #[classmethod]
     fn of_env(
         cls: &Bound<'_, PyType>,
@@ -126,7 +126,7 @@ impl Trainer {
         })?
     }
 
-    /// Goes on with a run: on `env` if it was of an environment of the user's.
+    /// Continues a run: on `foreign` if it is of the user's environment.
     #[classmethod]
     fn resumed(
         cls: &Bound<'_, PyType>,
@@ -147,7 +147,7 @@ impl Trainer {
             } else {
                 let task: Task = config.task.parse().map_err(|_| {
                     InputError::new_err(format!(
-                        "the run is of `{}`, an environment of yours: pass it as `env`",
+                        "the run is of `{}`, your own environment: pass it as `env`",
                         config.task
                     ))
                 })?;
@@ -182,7 +182,7 @@ impl Trainer {
         Policy::new(open(&mut self.lock()?)?.trainer.policy().clone())
     }
 
-    /// Gives the folder free; the trainer cannot be used any more.
+    /// Releases the folder; the trainer cannot be used any more.
     fn close(&self) -> PyResult<()> {
         match self.lock()?.take() {
             Some(Session { folder, .. }) => {
@@ -322,7 +322,7 @@ fn watch(told: &Receiver<Event>, stop: &AtomicBool, on_event: Option<&Py<PyAny>>
     }
 }
 
-/// An event in Python's words.
+/// An event as a Python dictionary.
 fn as_dict<'py>(py: Python<'py>, event: &Event) -> PyResult<Bound<'py, PyDict>> {
     let (kind, dict) = match event {
         Event::Progress(Progress { env_steps, episodes, updates }) => {
@@ -370,7 +370,7 @@ fn parse_about(json: &str) -> PyResult<About> {
     serde_json::from_str(json).map_err(|error| InputError::new_err(told(&error)))
 }
 
-/// A run on an environment of the user's.
+/// A run on the user's environment.
 fn on_foreign(
     env: Py<PyAny>,
     about: &About,

@@ -193,7 +193,7 @@ def test_wrong_options_are_named(arguments, message):
         rher.TaskEnv("push", **arguments)
 
 
-def test_an_unknown_task_is_told_with_those_there_are():
+def test_an_unknown_task_is_named_with_the_known_ones():
     with pytest.raises(rher.InputError, match="no task is called `fly`; there are reach, push"):
         rher.TaskEnv("fly")
 

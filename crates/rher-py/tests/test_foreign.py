@@ -61,7 +61,7 @@ def test_a_run_goes_on_as_if_it_had_not_stopped(tiny, tmp_path):
     resumed.close()
     with pytest.raises(rher.StateError, match="closed"):
         resumed.learn()
-    with pytest.raises(rher.InputError, match="an environment of yours"):
+    with pytest.raises(rher.InputError, match="your own environment"):
         rher.resume(tmp_path / "parts")
 
 
@@ -107,7 +107,7 @@ def lose_track(seen):
     ],
 )
 @pytest.mark.parametrize("when", [16, 11], ids=["training", "evaluation"])
-def test_an_environment_that_fails_is_told_and_progress_is_saved(what, message, when, tiny, out):
+def test_an_environment_that_fails_is_named_and_progress_is_saved(what, message, when, tiny, out):
     env = Trouble(what, when)
     failing = trainer(env, tiny, out)
     with pytest.raises(rher.EnvError, match=message) as error:
@@ -119,7 +119,7 @@ def test_an_environment_that_fails_is_told_and_progress_is_saved(what, message, 
     saved = failing.env_steps
     assert saved == {16: 6, 11: 5}[when] * STEPS
     failing.close()
-    # It goes on with the episode that failed, once the environment works.
+    # The run continues with the episode that failed, once the environment works.
     env.healthy = True
     again = rher.Trainer(env, episode_steps=STEPS, resume=out)
     assert again.env_steps == saved
@@ -143,15 +143,15 @@ def test_ctrl_c_saves_and_comes_out(tiny, out):
 
 def test_a_trainer_that_trains_cannot_be_used_by_another_thread(tiny, out):
     running = trainer(Carry(1), tiny, out)
-    told = []
+    errors = []
 
     def use(event):
         with pytest.raises(rher.StateError, match="is training") as error:
             running.policy  # noqa: B018
-        told.append(error)
+        errors.append(error)
 
     running.learn(env_steps=5 * STEPS, on_event=use)
-    assert told
+    assert errors
 
 
 @pytest.mark.parametrize(

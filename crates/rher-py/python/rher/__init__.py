@@ -1,6 +1,6 @@
-"""Relay hindsight experience replay: tasks, an agent, and training on environments of your own.
+"""Relay hindsight experience replay: tasks, an agent, and training on your own environments.
 
-Importing this package makes its environments known to Gymnasium::
+Importing this package registers its environments with Gymnasium::
 
     import gymnasium
     import rher

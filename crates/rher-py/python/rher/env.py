@@ -13,7 +13,7 @@ from rher.errors import InputError
 
 __all__ = ["IDS", "TaskEnv"]
 
-#: Gymnasium's ids, and the tasks they stand for.
+#: Ids of Gymnasium and the names of their tasks.
 IDS = {
     "rher/Reach-v0": "reach",
     "rher/Push-v0": "push",
@@ -30,7 +30,7 @@ IDS = {
     "rher/TStack-v0": "tstack",
 }
 
-#: Farther than anything gets, in metres: infinite spaces are warned of by Gymnasium's checker.
+#: Bound of the spaces in meters, beyond any position: Gymnasium's checker warns of infinite spaces.
 FAR = 100.0
 
 
@@ -65,16 +65,16 @@ class TaskEnv(gymnasium.Env):
     """One task, with the multi-goal interface of Gymnasium-Robotics.
 
     Observations are dictionaries of 64-bit arrays: ``observation``; ``achieved_goal`` and
-    ``desired_goal``, each ``(3 * objects,)`` in metres, objects in the order in which they are to
-    be placed. Actions are 32-bit, ``(4,)`` (``(3,)`` for ``cue-push``), within -1 and 1: the
+    ``desired_goal``, each ``(3 * objects,)`` in meters, with the objects in the order in which they
+    are to be placed. Actions are 32-bit, ``(4,)`` (``(3,)`` for ``cue-push``), within -1 and 1: the
     gripper's displacement along x, y, z (1 asks for 5 cm), then the opening of its fingers.
     Rewards are 0 when every object is at its place and -1 otherwise. Episodes never end by
     themselves; ``gymnasium.make`` ends them after ``episode_steps``.
 
     :param task: name of the task, see :func:`rher.tasks`.
-    :param options: settings of this task and no other, such as ``{"noise": 0.0}`` for ``cue-push``.
-    :param randomize: what is drawn anew for every episode, as ``{"friction": (0.5, 1.5)}``:
-        ``friction``, ``mass``, ``size`` (factors), ``sensor_noise`` (metres) and ``action_delay``
+    :param options: settings of this task, such as ``{"noise": 0.0}`` for ``cue-push``.
+    :param randomize: ranges of what is drawn for every episode, such as ``{"friction": (0.5, 1.5)}``:
+        ``friction``, ``mass``, ``size`` (factors), ``sensor_noise`` (meters) and ``action_delay``
         (steps).
     :param render_mode: ``"rgb_array"`` if pictures are wanted; they need no graphics card.
     :param width: of pictures, in pixels.
@@ -117,7 +117,7 @@ class TaskEnv(gymnasium.Env):
 
     @property
     def distance_threshold(self) -> float:
-        """How near an object counts as at its place, in metres."""
+        """Distance below which an object counts as at its place, in meters."""
         return self._env.tolerance
 
     def reset(
@@ -161,31 +161,31 @@ class TaskEnv(gymnasium.Env):
     def compute_truncated(
         self, achieved_goal: np.ndarray, desired_goal: np.ndarray, info: Any
     ) -> bool:
-        """False: what ends an episode is the wrapper that ``gymnasium.make`` puts around it."""
+        """False: the wrapper of ``gymnasium.make`` ends episodes."""
         return False
 
     def get_state(self) -> "_rher.State":
-        """This moment of the episode, to return to with :meth:`set_state`.
+        """This moment of the episode, for :meth:`set_state`.
 
-        It can be pickled; unpickling plays the episode again.
+        It can be pickled; unpickling simulates the episode again.
         """
         return self._env.get_state()
 
     def set_state(
         self, state: "_rher.State"
     ) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
-        """Returns to a moment that an environment like this one was at, and shows it.
+        """Returns to a moment of an environment like this one, and returns its observation and info.
 
-        What follows is bitwise what followed there.
+        What follows is, bit for bit, what followed there.
         """
         if not isinstance(state, _rher.State):
             raise InputError(f"state is {state!r}, expected what get_state returned")
         return self._env.set_state(state)
 
     def render(self) -> np.ndarray | None:
-        """A picture ``(height, width, 3)`` of 8-bit numbers, if ``render_mode`` asks for them.
+        """A picture ``(height, width, 3)`` of 8-bit numbers with marks at the goals.
 
-        Goals are marks in it.
+        It is None without a ``render_mode``.
         """
         if self.render_mode is None:
             return None
@@ -197,7 +197,7 @@ class TaskEnv(gymnasium.Env):
 
 
 def register() -> None:
-    """Makes the ids known to Gymnasium."""
+    """Registers the ids with Gymnasium."""
     for name, task in IDS.items():
         gymnasium.register(
             id=name,

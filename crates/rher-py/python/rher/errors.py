@@ -16,7 +16,7 @@ __all__ = [
 
 
 class RherError(Exception):
-    """Anything that ``rher`` can complain of."""
+    """The base class of every exception of ``rher``."""
 
 
 class InputError(RherError, ValueError):
@@ -24,7 +24,7 @@ class InputError(RherError, ValueError):
 
 
 class StateError(RherError, gymnasium.error.ResetNeeded, RuntimeError):
-    """Something was used before its first reset, after its end, or by two threads at once."""
+    """An object was used before its first reset, after it was closed, or by two threads at once."""
 
 
 class SettingsError(RherError, ValueError):
@@ -40,11 +40,11 @@ class PolicyError(RherError, ValueError):
 
 
 class EnvError(RherError, RuntimeError):
-    """An environment of yours raised (see ``__cause__``), or returned what it should not."""
+    """Your environment raised an exception (see ``__cause__``) or returned something wrong."""
 
 
 class TrainError(RherError, RuntimeError):
-    """A run cannot go on; what was saved before is untouched."""
+    """A run cannot continue; what was saved before is unchanged."""
 
 
 class InternalError(RherError, RuntimeError):

@@ -15,7 +15,7 @@ __all__ = ["Run"]
 
 
 class Run:
-    """The folder of a run, whoever made it: ``rher train``, :func:`rher.train`, a trainer.
+    """The folder of a run of ``rher train``, :func:`rher.train` or :class:`rher.Trainer`.
 
     :param path: the folder.
     """

@@ -1,4 +1,4 @@
-"""Training: on the tasks of this package, and on environments of yours."""
+"""Training on the tasks of this package and on your own environments."""
 
 import json
 import os
@@ -34,13 +34,13 @@ def train(
     workers: int | None = None,
     on_event: OnEvent | None = None,
 ) -> Run:
-    """Trains on a task, as ``rher train`` does: the same settings give the same numbers.
+    """Trains on a task, like ``rher train``: the same settings give the same numbers.
 
     Ctrl-C ends the episode, saves everything, and raises ``KeyboardInterrupt``;
-    :func:`rher.resume` goes on.
+    :func:`rher.resume` continues the run.
 
     :param task: name of the task, see :func:`rher.tasks`.
-    :param seed: of every random draw.
+    :param seed: seed of every random draw, below 2**63.
     :param preset: ``"fast"`` (the default, with the recipe of the task), ``"sample-efficient"`` or
         ``"paper"``.
     :param set: single settings by dotted key, such as ``{"agent.discount": 0.98}``; ``rher config
@@ -48,9 +48,11 @@ def train(
     :param config: a settings file.
     :param method: ``"rher"`` (the default) or ``"her"``.
     :param env_steps: environment steps after which it ends.
-    :param until: success rate that ends it early, at the second evaluation running; 0 never does.
+    :param until: success rate that ends the run early once two consecutive evaluations reach it; 0
+        never does.
     :param out: folder of the run; ``runs/TASK-METHOD-PRESET-SEED`` if it is not given.
-    :param workers: threads; never part of the result.
+    :param workers: number of threads; by default as many as this process may use. It never changes
+        the result.
     :param on_event: is called with a dictionary whose ``kind`` is ``"progress"`` (after every
         episode), ``"evaluated"`` (with all metrics) or ``"saved"``. An exception in it ends the
         run, saved, and comes out.
@@ -71,11 +73,11 @@ def resume(
     workers: int | None = None,
     on_event: OnEvent | None = None,
 ) -> Run:
-    """Goes on with a run of one of our tasks: the result is as if it had never stopped.
+    """Continues a run on a task of this package: the result is as if it had never stopped.
 
     :param path: folder of the run.
-    :param env_steps: as in :func:`rher.train`, if it should be another number.
-    :param until: as in :func:`rher.train`, if it should be another one.
+    :param env_steps: as in :func:`rher.train`; by default the value of the run.
+    :param until: as in :func:`rher.train`; by default the value of the run.
     :param workers: as in :func:`rher.train`.
     :param on_event: as in :func:`rher.train`.
     :return: the run.
@@ -87,7 +89,7 @@ def resume(
 def _to_the_end(
     trainer: "_rher.Trainer", env_steps: int | None, until: float | None, on_event: OnEvent | None
 ) -> Run:
-    """Trains, and gives the folder free whatever happens."""
+    """Trains, and releases the folder whatever happens."""
     try:
         _learn(trainer, env_steps, until, on_event)
         return Run(trainer.folder)
@@ -96,12 +98,12 @@ def _to_the_end(
 
 
 class Trainer:
-    """Relay hindsight experience replay on a goal environment of yours.
+    """Relay hindsight experience replay on your own goal environment.
 
     The environment has the interface of Gymnasium-Robotics: observations are dictionaries with
     ``observation``, ``achieved_goal`` (where the objects are) and ``desired_goal`` (where they
     should be), actions are within -1 and 1, and every episode has the same number of steps. Its
-    reward is not asked for: the reward is 0 where every object is within ``tolerance`` of its
+    reward is ignored: the reward is 0 where every object is within ``tolerance`` of its
     place, and -1 elsewhere. Only ``reset`` and ``step`` are called.
 
     >>> env = gymnasium.make("FetchPush-v4")
@@ -112,13 +114,13 @@ class Trainer:
     :param env: the environment.
     :param objects: how many objects it has (1 to 3), three numbers of a goal for each, in the order
         in which they are to be placed; 0 if the goal is a place for the gripper itself.
-    :param gripper: where in ``observation`` the gripper's position is, in metres.
-    :param tolerance: how near counts as there, in metres; ``env.unwrapped.distance_threshold`` or
-        0.05 if it is not given.
-    :param episode_steps: steps of every episode; those of ``gymnasium.make`` if it is not given.
-    :param name: under which the run and its policy remember the environment.
-    :param seed: as in :func:`rher.train`, and so are those that follow.
-    :param resume: folder of a run on this environment to go on with; settings stay as they were.
+    :param gripper: slice of ``observation`` that holds the position of the gripper, in meters.
+    :param tolerance: distance below which a goal counts as reached, in meters; by default
+        ``env.unwrapped.distance_threshold``, or 0.05 without one.
+    :param episode_steps: number of steps of every episode; by default that of ``gymnasium.make``.
+    :param name: name of the environment in the run and in its policy.
+    :param seed: as in :func:`rher.train`, like the parameters that follow.
+    :param resume: folder of a run on this environment to continue with its own settings.
     """
 
     def __init__(
@@ -173,17 +175,17 @@ class Trainer:
         until: float | None = None,
         on_event: OnEvent | None = None,
     ) -> Run:
-        """Trains until the run has taken ``env_steps`` in all, or is good enough.
+        """Trains until the run has taken ``env_steps`` in total, or has reached ``until``.
 
-        What the environment raises comes out as the cause of a :class:`rher.EnvError`, with
-        everything before that episode saved. Ctrl-C is as in :func:`rher.train`, and so are the
-        parameters.
+        An exception in the environment becomes the cause of a :class:`rher.EnvError`, and
+        everything before that episode is saved. Ctrl-C and the parameters are as in
+        :func:`rher.train`.
         """
         _learn(self._trainer, env_steps, until, on_event)
         return self.run
 
     def close(self) -> None:
-        """Gives the folder of the run free, so that it can be resumed elsewhere."""
+        """Releases the folder of the run, so that it can be resumed elsewhere."""
         self._trainer.close()
 
     def __enter__(self) -> "Trainer":
@@ -202,7 +204,7 @@ def _arguments(
     env_steps: int | None,
     until: float | None,
 ) -> str:
-    """What a run is asked to do, as JSON."""
+    """The settings that were passed, as JSON."""
     return json.dumps(
         {
             "preset": None if preset is None else text("preset", preset),
@@ -250,7 +252,7 @@ def _about(
     episode_steps: int | None,
     name: str | None,
 ) -> dict[str, Any]:
-    """What the learner needs to know about an environment; checks that it can be learned."""
+    """What the learner needs to know about an environment, after checking that it can be learned."""
     objects = whole("objects", objects, 0, 3)
     observation_space, action_space = env.observation_space, env.action_space
     keys = ("observation", "achieved_goal", "desired_goal")
@@ -301,10 +303,10 @@ def _about(
 
 
 def _find_objects(env: gymnasium.Env, objects: int) -> list[int] | None:
-    """Where in observations the objects' positions are, if all of them are there.
+    """Where in observations the positions of the objects are, if all of them are there.
 
-    Found by watching two episodes begin; only those who call a policy without ``achieved_goal``
-    need it.
+    They are looked for at the beginning of two episodes. Only calls of a policy without
+    ``achieved_goal`` need them.
     """
     places: list[list[int]] = []
     for seed in range(2):
