@@ -72,6 +72,7 @@ impl Policy {
     }
 
     /// What is in the policy's file: its tensors, and all else in the metadata.
+    #[expect(clippy::missing_panics_doc, reason = "it cannot panic, as the expectations say")]
     pub fn to_bytes(&self) -> Vec<u8> {
         let metadata = Metadata {
             crc32: NO_CHECKSUM.to_owned(),
