@@ -4,7 +4,7 @@ use crate::any_env::Widths;
 use crate::any_pool::{self, AnyPool, Size};
 use crate::arrays::{as_doubles, read};
 use crate::error::{InputError, InternalError, StateError, told, unlocked};
-use crate::made::{made_of, parse};
+use crate::made::made_of;
 use crate::threads::allowed;
 use numpy::{PyArray1, PyArray2, PyArrayMethods as _};
 use pyo3::intern;
@@ -26,14 +26,26 @@ pub(crate) struct VectorEnv {
     kept: Option<Arrays>,
 }
 
-/// What the environments were made of, in Python's words: what a copy is made of.
-#[derive(Clone)]
+/// What the environments are made of: a dictionary in Python.
+#[derive(Clone, FromPyObject, IntoPyObject)]
 struct Made {
+    #[pyo3(item)]
     task: String,
+    /// As JSON.
+    #[pyo3(item)]
     options: String,
+    #[pyo3(item)]
+    envs: usize,
+    /// As many as this process may use if it is None; never more than environments.
+    #[pyo3(item)]
     threads: Option<usize>,
+    #[pyo3(item)]
     auto_reset: String,
+    /// Whether every step makes new arrays.
+    #[pyo3(item)]
     copy: bool,
+    /// Those of the task if it is None.
+    #[pyo3(item)]
     episode_steps: Option<NonZeroUsize>,
 }
 
@@ -98,33 +110,15 @@ fn unwritable(error: numpy::BorrowError) -> PyErr {
 
 #[pymethods]
 impl VectorEnv {
-    /// `envs` environments of `task`, stepped by `threads` or by as many as this process may use,
-    /// at most one for each environment; with `copy`, every step makes new arrays; episodes end
-    /// after `episode_steps`, or after those of the task.
+    /// Makes the environments; `made` is a dictionary.
     #[new]
-    fn new(
-        py: Python<'_>,
-        task: &str,
-        options: &str,
-        envs: usize,
-        threads: Option<usize>,
-        auto_reset: &str,
-        copy: bool,
-        episode_steps: Option<NonZeroUsize>,
-    ) -> PyResult<Self> {
-        let made = Made {
-            task: task.to_owned(),
-            options: options.to_owned(),
-            threads,
-            auto_reset: auto_reset.to_owned(),
-            copy,
-            episode_steps,
-        };
-        let auto_reset = match auto_reset {
+    fn new(py: Python<'_>, made: Made) -> PyResult<Self> {
+        let Made { envs, episode_steps, copy, .. } = made;
+        let auto_reset = match made.auto_reset.as_str() {
             "NextStep" => AutoReset::NextStep,
             "SameStep" => AutoReset::SameStep,
             "Disabled" => AutoReset::Never,
-            _ => {
+            auto_reset => {
                 return Err(InputError::new_err(format!(
                     "autoreset_mode is `{auto_reset}`, expected NextStep, SameStep or Disabled"
                 )));
@@ -132,9 +126,8 @@ impl VectorEnv {
         };
         let invalid = |error: &dyn std::error::Error| InputError::new_err(told(error));
         let (widths, pool) = unlocked(py, || {
-            let (_, _, one) = made_of(task, options)?;
-            let (task, options) = parse(task, options)?;
-            let threads = threads.unwrap_or_else(allowed).min(envs);
+            let (task, options, one) = made_of(&made.task, &made.options)?;
+            let threads = made.threads.unwrap_or_else(allowed).min(envs);
             let size = Size { envs, threads, auto_reset, episode_steps };
             let pool = any_pool::build(task, &options, size);
             let pool = pool.map_err(|error| invalid(&error))?.map_err(|error| invalid(&error))?;
@@ -251,14 +244,9 @@ impl VectorEnv {
 
     /// What unpickling and copying do.
     #[classmethod]
-    fn _rebuilt(
-        cls: &Bound<'_, PyType>,
-        made: (String, String, usize, Option<usize>, String, bool, Option<NonZeroUsize>),
-        state: Option<&[u8]>,
-    ) -> PyResult<Self> {
+    fn _rebuilt(cls: &Bound<'_, PyType>, made: Made, state: Option<&[u8]>) -> PyResult<Self> {
         let py = cls.py();
-        let (task, options, envs, threads, auto_reset, copy, episode_steps) = made;
-        let new = Self::new(py, &task, &options, envs, threads, &auto_reset, copy, episode_steps)?;
+        let new = Self::new(py, made)?;
         match state {
             Some(state) => drop(new.set_state(py, state)?),
             None => new.close()?,
@@ -269,11 +257,9 @@ impl VectorEnv {
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
         let py = slf.py();
         let env = slf.get();
-        let Made { task, options, threads, auto_reset, copy, episode_steps } = env.made.clone();
-        let made = (task, options, env.envs, threads, auto_reset, copy, episode_steps);
         let is_open = env.lock()?.pool.is_some();
         let state = is_open.then(|| env.get_state(py)).transpose()?;
-        (slf.get_type().getattr("_rebuilt")?, (made, state)).into_pyobject(py)
+        (slf.get_type().getattr("_rebuilt")?, (env.made.clone(), state)).into_pyobject(py)
     }
 
     /// Frees the environments; they cannot be used any more.

@@ -58,16 +58,7 @@ class Env:
 class VectorEnv:
     """Environments of one task that are stepped together without Python's lock."""
 
-    def __new__(
-        cls,
-        task: str,
-        options: str,
-        envs: int,
-        threads: int | None,
-        auto_reset: str,
-        copy: bool,
-        episode_steps: int | None,
-    ) -> VectorEnv: ...
+    def __new__(cls, made: dict[str, Any]) -> VectorEnv: ...
     @property
     def is_seeded(self) -> bool: ...
     def reset(self, seeds: Sequence[int] | None = None) -> tuple[_Observation, _Info]: ...

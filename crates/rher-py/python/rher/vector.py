@@ -70,13 +70,15 @@ class TaskVectorEnv(VectorEnv):
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
         self._envs = _rher.VectorEnv(
-            task,
-            options_as_json(options, randomize),
-            self.num_envs,
-            threads,
-            self.autoreset_mode.value,
-            copy,
-            max_episode_steps,
+            {
+                "task": task,
+                "options": options_as_json(options, randomize),
+                "envs": self.num_envs,
+                "threads": threads,
+                "auto_reset": self.autoreset_mode.value,
+                "copy": copy,
+                "episode_steps": max_episode_steps,
+            }
         )
 
     def reset(
