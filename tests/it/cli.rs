@@ -299,7 +299,7 @@ fn wrong_settings_in_a_file_are_shown_with_their_place() {
     exit 3
     error: cannot read config file `missing.toml`: No such file or directory (os error 2)
 
-    hint: `rher config <TASK> > run.toml` makes one
+    hint: `rher config <TASK> > run.toml` makes a settings file
     ");
     assert!(!rher.path("runs").exists(), "nothing was started");
 }
@@ -410,7 +410,7 @@ fn a_run_leaves_its_folder_behind() {
     exit 5
     error: `runs/reach-rher-fast-1` already holds a run
 
-    hint: `rher train --resume runs/reach-rher-fast-1` goes on with it, `--out DIR` starts elsewhere
+    hint: `rher train --resume runs/reach-rher-fast-1` continues it; `--out DIR` starts a run elsewhere
     ");
 }
 
@@ -448,13 +448,13 @@ fn what_is_no_policy_is_not_evaluated() {
     exit 8
     error: `noise.safetensors` is not a policy file of this program: header too large
 
-    hint: a policy file is the `policy.safetensors` of a run folder
+    hint: expected the file `policy.safetensors` of a run folder
     ");
     assert_snapshot!(rher.run("eval missing"), @"
     exit 5
     error: cannot read `missing`: No such file or directory (os error 2)
 
-    hint: name a run folder with a policy, or a policy file
+    hint: give a run folder that has a policy, or a policy file
     ");
 }
 
@@ -466,13 +466,13 @@ fn folders_that_cannot_be_written_are_told() {
     exit 6
     error: cannot write `file/run`: Not a directory (os error 20)
 
-    hint: choose a place that you may write in
+    hint: choose a place where you have write permission
     ");
     assert_snapshot!(rher.run("train push --out file"), @"
     exit 6
     error: cannot write `file`: File exists (os error 17)
 
-    hint: choose a place that you may write in
+    hint: choose a place where you have write permission
     ");
 }
 
@@ -487,7 +487,7 @@ fn a_full_disk_is_told_and_the_checkpoint_kept() {
     exit 7
     error: cannot write `run/metrics.jsonl`: No space left on device (os error 28)
 
-    hint: make room, and repeat the command; a run that had begun continues from its last checkpoint with `rher train --resume DIR`
+    hint: free some space, and repeat the command; a run that had begun continues from its last checkpoint with `rher train --resume DIR`
     ");
     assert!(rher.path("run/checkpoint/current.ckpt").exists());
 
@@ -506,7 +506,7 @@ fn a_gradient_that_is_no_number_ends_the_run_and_its_state_is_kept() {
     insta::assert_snapshot!(ran.stderr, @r"
     error: update 1, after 50 environment steps, diverged; its batch has seed 1, count 1: the gradient of critic 1 is not finite, first in `layers.2.bias`
 
-    hint: the state before it is saved; smaller `agent.actor_learning_rate` and `agent.critic_learning_rate` help against divergence
+    hint: the state before this update was saved; smaller values of `agent.actor_learning_rate` and `agent.critic_learning_rate` help against divergence
     ");
     rher.ok("eval run --episodes 2");
 }

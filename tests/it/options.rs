@@ -95,5 +95,5 @@ fn with_a_camera_the_true_distance_is_told() {
     let rher = Rher::new();
     rher.ok(&format!("train cue-push --quiet --env-steps 200 {TINY} --out run"));
     let told = rher.ok("eval run --episodes 5");
-    assert!(told.contains("\nreally"), "{told}");
+    assert!(told.contains("\ntrue distance"), "{told}");
 }

@@ -83,7 +83,7 @@ fn every_task_can_be_played_recorded_and_proved() {
     for task in tasks.as_array().unwrap() {
         let task = task["name"].as_str().unwrap();
         let proof = recorded(task, "").ok("replay out.mcap --verify");
-        assert!(proof.starts_with("real: 3 episodes"), "{task}: {proof}");
+        assert!(proof.starts_with("verified: 3 episodes"), "{task}: {proof}");
     }
 }
 
@@ -92,7 +92,7 @@ fn a_proof_knows_the_options_and_what_was_randomised() {
     let settings = "--set randomize.friction=[0.5,1.5] --set randomize.sensor_noise=[0.001,0.002] \
         --set randomize.action_delay=[0,2] --set task.observe_obstacle=false";
     let rher = recorded("obstacle-push", settings);
-    assert!(rher.ok("replay out.mcap --verify").starts_with("real: 3 episodes"));
+    assert!(rher.ok("replay out.mcap --verify").starts_with("verified: 3 episodes"));
 }
 
 /// Writes `from` again, with every message changed by `change`.
@@ -135,7 +135,7 @@ fn what_is_not_real_is_located() {
     let (from, to) = (rher.path("out.mcap"), rher.path("changed.mcap"));
 
     rewrite(&from, &to, |_, _| ());
-    assert!(rher.ok("replay changed.mcap --verify").starts_with("real: 3 episodes"));
+    assert!(rher.ok("replay changed.mcap --verify").starts_with("verified: 3 episodes"));
 
     rewrite(&from, &to, |topic, message| {
         if topic == "/frame" && message["episode"] == 1 && message["step"] == 7 {
@@ -182,14 +182,16 @@ fn training_is_recorded_and_not_changed_by_it() {
         list.lines().skip(2).filter_map(|line| line.split_whitespace().next()).collect();
     assert_eq!(episodes, ["0", "3", "6", "9"], "{list}");
     let proof = rher.ok("replay recorded/episodes-0.mcap --verify");
-    assert!(proof.starts_with("real: 4 episodes, 200 steps"), "{proof}");
+    assert!(proof.starts_with("verified: 4 episodes, 200 steps"), "{proof}");
     assert!(!rher.path("recorded/episodes-0.part.mcap").exists());
 
     // A run that goes on has another file.
     let before = std::fs::read(rher.path("recorded/episodes-0.mcap")).unwrap();
     rher.ok("train --resume recorded --env-steps 1000 --record-every 3");
     assert!(before == std::fs::read(rher.path("recorded/episodes-0.mcap")).unwrap());
-    assert!(rher.ok("replay recorded/episodes-12.mcap --verify").starts_with("real: 3 episodes"));
+    assert!(
+        rher.ok("replay recorded/episodes-12.mcap --verify").starts_with("verified: 3 episodes")
+    );
 }
 
 /// Starts a training that would go on for long, and waits for some episodes.
@@ -211,7 +213,7 @@ fn a_recording_is_whole_after_ctrl_c() {
     running.interrupt();
     let ran = running.end();
     assert_eq!(ran.status, Some(130), "{ran}");
-    assert!(rher.ok("replay run/episodes-0.mcap --verify").starts_with("real: "));
+    assert!(rher.ok("replay run/episodes-0.mcap --verify").starts_with("verified: "));
     assert!(!rher.path("run/episodes-0.part.mcap").exists());
 
     let running = rher.spawn("play run --episodes 1000000 --mcap played.mcap");
@@ -222,7 +224,7 @@ fn a_recording_is_whole_after_ctrl_c() {
     running.interrupt();
     let ran = running.end();
     assert_eq!(ran.status, Some(130), "{ran}");
-    assert!(rher.ok("replay played.mcap --verify").starts_with("real: "));
+    assert!(rher.ok("replay played.mcap --verify").starts_with("verified: "));
 }
 
 #[test]

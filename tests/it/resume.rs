@@ -78,7 +78,7 @@ fn lost_metrics_are_told() {
     exit 8
     error: `run/metrics.jsonl` has 0 complete lines, but the checkpoint was made after 2 evaluations
 
-    hint: bring the file back, or start a new run with --out
+    hint: restore the file, or start a new run with --out
     ");
 }
 
@@ -90,7 +90,7 @@ fn a_finished_run_says_so_and_can_be_taken_further() {
     exit 0
     `run` is finished: it took all of its steps, after 500 steps
 
-    hint: `--env-steps N` or `--until RATE` take it further
+    hint: `--env-steps N` or `--until RATE` with a higher value continues it
     ");
     assert_eq!(rher.ok("train --quiet --resume run --env-steps 1000"), "");
     let steps: Vec<_> = rher.metrics("run").iter().map(|line| line["env_steps"].clone()).collect();
@@ -108,20 +108,20 @@ fn a_folder_belongs_to_one_process_and_its_lock_dies_with_it() {
     exit 5
     error: `run` is in use by another process
 
-    hint: wait until it is done, or choose another folder with --out
+    hint: wait until that process ends, or choose another folder with --out
     ");
     assert_snapshot!(rher.run("train --resume run"), @"
     exit 5
     error: `run` is in use by another process
 
-    hint: wait until it is done, or choose another folder with --out
+    hint: wait until that process ends, or choose another folder with --out
     ");
     running.kill();
     assert_snapshot!(rher.run("train push --out run"), @"
     exit 5
     error: `run` already holds a run
 
-    hint: `rher train --resume run` goes on with it, `--out DIR` starts elsewhere
+    hint: `rher train --resume run` continues it; `--out DIR` starts a run elsewhere
     ");
     rher.ok("train --quiet --resume run --env-steps 500");
 }
@@ -139,14 +139,14 @@ fn a_truncated_checkpoint_is_named_with_the_last_good_one() {
     exit 8
     error: `run/checkpoint/current.ckpt` is damaged: 76 bytes of state, expected [all of it]; the last good one is `run/checkpoint/previous.ckpt`, at environment step 250
 
-    hint: nothing was changed; an earlier checkpoint that is renamed to `current.ckpt` can be resumed, and the policy file still works
+    hint: nothing was changed; to resume from an earlier checkpoint, rename it to `current.ckpt`; the policy file still works
     ");
     fs::write(&path, b"").unwrap();
     assert_snapshot!(rher.run("train --resume run"), @"
     exit 8
     error: `run/checkpoint/current.ckpt` is damaged: 0 bytes, shorter than its header; the last good one is `run/checkpoint/previous.ckpt`, at environment step 250
 
-    hint: nothing was changed; an earlier checkpoint that is renamed to `current.ckpt` can be resumed, and the policy file still works
+    hint: nothing was changed; to resume from an earlier checkpoint, rename it to `current.ckpt`; the policy file still works
     ");
     let straight = rher.metrics("run");
     fs::rename(rher.path("run/checkpoint/previous.ckpt"), &path).unwrap();
@@ -199,6 +199,6 @@ fn only_what_is_no_part_of_the_experiment_may_change() {
     exit 5
     error: `run` holds no run
 
-    hint: `rher train <TASK> --out DIR` starts one
+    hint: `rher train <TASK> --out DIR` starts a run
     ");
 }

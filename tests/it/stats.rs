@@ -89,7 +89,7 @@ fn what_is_no_run_is_told_with_a_way_out() {
     exit 5
     error: `nowhere` holds no run: there is no `config.toml` in it
 
-    hint: name the folder that `rher train` made: it has `config.toml` and `metrics.jsonl`
+    hint: give a folder that `rher train` made: it has `config.toml` and `metrics.jsonl`
     ");
     rher.write("a2/metrics.jsonl", "");
     assert_snapshot!(rher.run("stats a1 a2"), @"
@@ -103,7 +103,7 @@ fn what_is_no_run_is_told_with_a_way_out() {
     exit 8
     error: line 1 of `a3/metrics.jsonl` is damaged: missing field `wall_s` at line 1 column 16
 
-    hint: bring the file back, or leave this run out
+    hint: restore the file, or leave this run out
     ");
     assert_eq!(rher.run("stats").status, Some(2));
 }

@@ -61,6 +61,30 @@ impl Rher {
         Running(Some(command.spawn().unwrap()))
     }
 
+    /// Starts it with SIGHUP ignored, as `nohup` does.
+    pub(crate) fn spawn_ignoring_hangups(&self, arguments: &str) -> Running {
+        let mut command = Command::new("sh");
+        command
+            .current_dir(self.folder.path())
+            .args(["-c", "trap '' HUP; exec \"$@\"", "sh", env!("CARGO_BIN_EXE_rher")])
+            .args(arguments.split_whitespace())
+            .stdin(Stdio::null())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped());
+        Running(Some(command.spawn().unwrap()))
+    }
+
+    /// Waits until nobody writes in a run any more; how long it took.
+    pub(crate) fn wait_until_free(&self, run: &str) -> Duration {
+        let started = Instant::now();
+        let lock = std::fs::File::open(self.path(run).join(".lock")).unwrap();
+        while lock.try_lock().is_err() {
+            assert!(started.elapsed() < Duration::from_mins(1), "still in use after a minute");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        started.elapsed()
+    }
+
     /// The metrics of a run but for its wall clock.
     pub(crate) fn metrics(&self, run: &str) -> Vec<Value> {
         let text = std::fs::read_to_string(self.path(run).join("metrics.jsonl")).unwrap();
@@ -118,8 +142,13 @@ pub(crate) struct Running(Option<Child>);
 impl Running {
     /// As Ctrl-C does.
     pub(crate) fn interrupt(&self) {
+        self.send("INT");
+    }
+
+    /// Sends a signal, such as `TERM`.
+    pub(crate) fn send(&self, signal: &str) {
         let id = self.0.as_ref().unwrap().id().to_string();
-        let sent = Command::new("kill").args(["-INT", &id]).status().unwrap();
+        let sent = Command::new("kill").args([&format!("-{signal}"), &id]).status().unwrap();
         assert!(sent.success());
     }
 

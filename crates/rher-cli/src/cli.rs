@@ -1,12 +1,14 @@
 //! The command line: clap types, nothing else.
 
 use crate::exit_code::Status;
+use crate::plot::{Clock, Measure};
 use crate::printer::Verbosity;
 use crate::values::{
-    Assignment, Axis, EngineName, ExperimentName, MethodName, PresetName, Seeds, picture, rate,
-    recording, task, toml_integer,
+    Assignment, Axis, ExperimentName, Seeds, engine, method, picture, preset, rate, recording,
+    task, toml_integer,
 };
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use rher_core::config::{EngineKind, Method, Preset};
 use rher_envs::Task;
 use rher_record::export::DatasetId;
 use rher_runs::Asked;
@@ -39,27 +41,27 @@ impl Cli {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// List the tasks: objects, sub-tasks, widths, episode length, tolerances
+    /// List the tasks with their objects, sub-tasks, dimensions, episode length and tolerances
     Tasks(TasksArgs),
-    /// Train a policy, from the beginning or on from a checkpoint
+    /// Train a policy, or resume a run from its checkpoint
     Train(TrainArgs),
-    /// Train with every combination of settings and seeds, a few runs at a time
+    /// Train with every combination of settings and seeds, several runs at a time
     Sweep(SweepArgs),
     /// Repeat an experiment of the paper
     Reproduce(ReproduceArgs),
-    /// Measure how often a policy succeeds, with a 95 % confidence interval
+    /// Measure the success rate of a policy, with a 95 % confidence interval
     Eval(EvalArgs),
-    /// Play episodes of a policy, draw them, and record them for Foxglove
+    /// Play episodes of a policy, and draw or record them
     Play(PlayArgs),
-    /// List the episodes of a recording, or prove that they were real
+    /// List the episodes of a recording, or verify that they reproduce bit for bit
     Replay(ReplayArgs),
-    /// Write a dataset of demonstrations, for Minari or LeRobot
+    /// Write a dataset of demonstrations in the format of Minari or LeRobot
     Export(ExportArgs),
-    /// Compare runs: how soon they succeed, how often in the end, and how sure that is
+    /// Compare runs: sample efficiency, final success, confidence intervals
     Stats(StatsArgs),
-    /// Draw learning curves, beside those that the authors published
+    /// Draw learning curves, with those that the authors published
     Plot(PlotArgs),
-    /// Write one page about runs: curves, tables, an episode, settings
+    /// Write one HTML page about runs: curves, tables, an episode, settings
     Report(ReportArgs),
     /// Print every setting of a run as TOML, for `rher train --config`
     Config(ConfigArgs),
@@ -70,7 +72,7 @@ pub(crate) enum Command {
 
 #[derive(Debug, Args)]
 pub(crate) struct TasksArgs {
-    /// Print JSON: an array with one object for each task
+    /// Print JSON: an array with one object per task
     #[arg(long)]
     pub(crate) json: bool,
 }
@@ -84,31 +86,32 @@ Examples:
   rher train push --set agent.hidden=[128,128] --set relay.mirror=0
   rher train --resume runs/push-rher-fast-1
 
-Ctrl-C finishes the episode, saves and exits 130; a second Ctrl-C exits at once.")]
+Ctrl-C finishes the episode, saves and exits 130; a second Ctrl-C exits at once. SIGTERM and SIGHUP do
+the same with 143 and 129, and end the program within 4 seconds, at worst with the last checkpoint.")]
 pub(crate) struct TrainArgs {
-    /// What to learn; `rher tasks` says more
+    /// Task to learn; `rher tasks` lists the tasks
     #[arg(required_unless_present = "resume", value_parser = task())]
     pub(crate) task: Option<Task>,
 
     #[command(flatten)]
     pub(crate) settings: SettingsArgs,
 
-    /// Threads that do the work; never part of the result [default: one for each core]
+    /// Number of threads, which never changes the result [default: one for each core]
     #[arg(long, value_name = "N")]
     pub(crate) workers: Option<NonZeroUsize>,
 
-    /// Run folder to make; by default `runs/<TASK>-<METHOD>-<PRESET>-<SEED>`
+    /// Run folder to create; by default `runs/<TASK>-<METHOD>-<PRESET>-<SEED>`
     ///
-    /// It gets `config.toml`, `machine.toml`, `metrics.jsonl` (one line for each evaluation),
-    /// `checkpoint/` and `policy.safetensors`. A folder that already holds a run is left alone.
+    /// The folder gets `config.toml`, `machine.toml`, `metrics.jsonl` (one line for each evaluation),
+    /// `checkpoint/` and `policy.safetensors`. A folder that already holds a run is not touched.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
 
-    /// Record every N-th training episode, the first one included, for Foxglove
+    /// Record every N-th training episode for Foxglove, beginning with the first
     ///
-    /// Episodes are as training plays them: explored with noise and chance, by guide and learner.
-    /// They are in `episodes-<FIRST>.mcap` in the run folder, in `episodes-<FIRST>.part.mcap` while
-    /// the run goes on. A policy without exploration is recorded by `rher play`.
+    /// Episodes are recorded as training plays them, with the exploration of guide and learner. They
+    /// are in `episodes-<FIRST>.mcap` in the run folder, or in `episodes-<FIRST>.part.mcap` while the
+    /// program runs. `rher play` records a policy without exploration.
     #[arg(long, value_name = "N")]
     pub(crate) record_every: Option<NonZeroU64>,
 
@@ -124,13 +127,13 @@ pub(crate) struct TrainArgs {
     )]
     pub(crate) live: Option<std::net::SocketAddr>,
 
-    /// Write event files for `tensorboard --logdir runs`: what `metrics.jsonl` holds
+    /// Write event files for `tensorboard --logdir runs`, with the numbers of `metrics.jsonl`
     #[arg(long)]
     pub(crate) tensorboard: bool,
 
-    /// Go on with the run in this folder, as if it had never stopped
+    /// Resume the run in this folder, as if it had never stopped
     ///
-    /// Settings come from the checkpoint; only --workers, --quiet, --record-every,
+    /// The settings come from the checkpoint; only --workers, --quiet, --record-every,
     /// --tensorboard, --engine, --env-steps and --until may be given with it.
     #[arg(
         long,
@@ -139,9 +142,13 @@ pub(crate) struct TrainArgs {
     )]
     pub(crate) resume: Option<PathBuf>,
 
-    /// Tell errors only
+    /// Print errors only
     #[arg(short, long)]
     pub(crate) quiet: bool,
+
+    /// Process that started this one, with which it ends: for the program's own processes
+    #[arg(long, hide = true, value_name = "PID")]
+    pub(crate) parent: Option<u32>,
 }
 
 #[derive(Debug, Args)]
@@ -151,34 +158,34 @@ Examples:
   rher sweep push --seeds 1-3 --set relay.mirror=0,0.5 --set agent.discount=0.95,0.98
   rher sweep push --set agent.hidden=[256,256],[256,256,256] --jobs 1
 
-Every run has a folder of its own, as `rher train` makes it, and one thread. The same command again
-goes on with runs that were interrupted, and leaves finished ones alone.")]
+Every run has its own folder, as `rher train` makes it, and one thread. The same command again
+resumes runs that were interrupted, and does not touch finished ones.")]
 pub(crate) struct SweepArgs {
-    /// What to learn; `rher tasks` says more
+    /// Task to learn; `rher tasks` lists the tasks
     #[arg(value_parser = task())]
     pub(crate) task: Task,
 
-    /// One setting and its values, as in `--set relay.mirror=0,0.5`; may be repeated
+    /// A setting and its values, as in `--set relay.mirror=0,0.5`; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE,...")]
     pub(crate) vary: Vec<Axis>,
 
-    /// Settings to start from
-    #[arg(long, value_enum, value_name = "PRESET")]
-    pub(crate) preset: Option<PresetName>,
+    /// Preset to start from
+    #[arg(long, value_parser = preset(), value_name = "PRESET")]
+    pub(crate) preset: Option<Preset>,
 
-    /// TOML file with the settings that should differ in every run
+    /// TOML file with settings that all runs share
     #[arg(long, value_name = "FILE")]
     pub(crate) config: Option<PathBuf>,
 
-    /// What is trained
-    #[arg(long, value_enum, value_name = "METHOD")]
-    pub(crate) method: Option<MethodName>,
+    /// Training method [default: rher]
+    #[arg(long, value_parser = method(), value_name = "METHOD")]
+    pub(crate) method: Option<Method>,
 
-    /// End a run at the second evaluation running with at least this success rate; 0 never does
+    /// End a run after two consecutive evaluations with at least this success rate; 0 never ends it
     #[arg(long, value_name = "RATE", value_parser = rate)]
     pub(crate) until: Option<f32>,
 
-    /// Folder of the runs' folders; by default `runs/sweep-<TASK>`
+    /// Folder of the run folders; by default `runs/sweep-<TASK>`
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
 
@@ -192,19 +199,19 @@ Examples:
   rher reproduce policies                  Table I, seeds 1 to 3, the published settings
   rher reproduce guide-rate --seeds 1 --preset fast
 
-Every run has a folder of its own, as `rher train` makes it, and one thread. The same command again
-goes on with runs that were interrupted, and leaves finished ones alone. What the paper says of the
-experiment is told first.")]
+Every run has its own folder, as `rher train` makes it, and one thread. The same command again
+resumes runs that were interrupted, and does not touch finished ones. What the paper reports
+of the experiment is printed first.")]
 pub(crate) struct ReproduceArgs {
-    /// Which experiment
+    /// Experiment to repeat
     #[arg(value_enum, value_name = "NAME")]
     pub(crate) experiment: ExperimentName,
 
-    /// Settings to start from [default: paper]
-    #[arg(long, value_enum, value_name = "PRESET")]
-    pub(crate) preset: Option<PresetName>,
+    /// Preset to start from [default: paper]
+    #[arg(long, value_parser = preset(), value_name = "PRESET")]
+    pub(crate) preset: Option<Preset>,
 
-    /// Folder of the runs' folders; by default `runs/reproduce-<NAME>`
+    /// Folder of the run folders; by default `runs/reproduce-<NAME>`
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
 
@@ -215,7 +222,7 @@ pub(crate) struct ReproduceArgs {
 /// What commands that make many runs have in common.
 #[derive(Debug, Args)]
 pub(crate) struct RunsArgs {
-    /// Seeds of every combination of settings, as in `1-5` or `1,2,7`
+    /// Seeds for every combination of settings, as in `1-5` or `1,2,7`
     #[arg(long, value_name = "SEEDS", default_value = "1-3")]
     pub(crate) seeds: Seeds,
 
@@ -223,52 +230,52 @@ pub(crate) struct RunsArgs {
     #[arg(long, value_name = "N", value_parser = toml_integer(1))]
     pub(crate) env_steps: Option<u64>,
 
-    /// Runs at a time [default: one for each core]
+    /// Number of runs at a time [default: one for each core]
     #[arg(long, value_name = "N")]
     pub(crate) jobs: Option<NonZeroUsize>,
 
-    /// Print JSON: an array with one object for each combination of settings
+    /// Print JSON: an array with one object per combination of settings
     #[arg(long)]
     pub(crate) json: bool,
 }
 
 /// Where settings come from.
 #[derive(Clone, Debug, Args)]
-#[command(next_help_heading = "Settings, each winning over those before it")]
+#[command(next_help_heading = "Settings, in increasing order of precedence")]
 pub(crate) struct SettingsArgs {
-    /// Settings to start from; `fast` also takes the recipe of the task [default: fast]
-    #[arg(long, value_enum, value_name = "PRESET")]
-    pub(crate) preset: Option<PresetName>,
+    /// Preset to start from; `fast` also applies the recipe of the task [default: fast]
+    #[arg(long, value_parser = preset(), value_name = "PRESET")]
+    pub(crate) preset: Option<Preset>,
 
-    /// TOML file with the settings that should differ; `rher config` prints all of them
+    /// TOML file with settings to change; `rher config` prints all of them
     #[arg(long, value_name = "FILE")]
     pub(crate) config: Option<PathBuf>,
 
-    /// One setting, as in `--set agent.discount=0.98`; may be repeated
+    /// A setting to change, as in `--set agent.discount=0.98`; may be repeated
     #[arg(long, value_name = "KEY=VALUE")]
     pub(crate) set: Vec<Assignment>,
 
-    /// What is trained [default: rher]
-    #[arg(long, value_enum, value_name = "METHOD")]
-    pub(crate) method: Option<MethodName>,
+    /// Training method [default: rher]
+    #[arg(long, value_parser = method(), value_name = "METHOD")]
+    pub(crate) method: Option<Method>,
 
-    /// Seed of every random draw
+    /// Seed of all random numbers of the run
     #[arg(long, value_name = "N", value_parser = toml_integer(0))]
     pub(crate) seed: Option<u64>,
 
-    /// End after this many environment steps; evaluations do not count
+    /// End after this many environment steps of training; evaluations do not count
     #[arg(long, value_name = "N", value_parser = toml_integer(1))]
     pub(crate) env_steps: Option<u64>,
 
-    /// End at the second evaluation running with at least this success rate; 0 never does
+    /// End after two consecutive evaluations with at least this success rate; 0 never ends the run
     #[arg(long, value_name = "RATE", value_parser = rate)]
     pub(crate) until: Option<f32>,
 
-    /// Who does the arithmetic of the networks
-    #[arg(long, value_enum, value_name = "NAME")]
-    pub(crate) engine: Option<EngineName>,
+    /// Compute engine of the networks
+    #[arg(long, value_parser = engine(), value_name = "NAME")]
+    pub(crate) engine: Option<EngineKind>,
 
-    /// Step this many environments side by side between updates: part of the experiment
+    /// Number of environments that step side by side between updates; it changes the result
     ///
     /// 1 is the paper's single process, 19 its multi-process setting.
     #[arg(long, value_name = "N", value_parser = toml_integer(1))]
@@ -281,18 +288,18 @@ Examples:
   rher eval runs/push-rher-fast-1
   rher eval policy.safetensors --episodes 1000 --seed 7 --json")]
 pub(crate) struct EvalArgs {
-    /// Run folder, or a policy file
+    /// Run folder or policy file
     pub(crate) path: PathBuf,
 
-    /// Episodes for each sub-task
+    /// Number of episodes for each sub-task
     #[arg(long, value_name = "N", default_value = "100")]
     pub(crate) episodes: NonZeroUsize,
 
-    /// Which episodes: the same ones for the same number; training evaluates on those of 0
+    /// Seed of the evaluation episodes; training evaluates on those of seed 0
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = toml_integer(0))]
     pub(crate) seed: u64,
 
-    /// Threads that do the work; never part of the result [default: one for each core]
+    /// Number of threads, which never changes the result [default: one for each core]
     #[arg(long, value_name = "N")]
     pub(crate) workers: Option<NonZeroUsize>,
 
@@ -308,19 +315,19 @@ Examples:
   rher play runs/push-rher-fast-1 --mcap push.mcap
   rher play runs/push-rher-fast-1 --gif push.gif
 
-A recording opens in Foxglove or Lichtblick with no set-up: the scene, the goals, what hindsight will
-ask for (the end of the episode) and what the current stage asks for in the 3D panel, and `/frame` and
-`/action` to plot. `push.layout.json` beside it is a layout to import. Q is told where the path is a run
-folder with a checkpoint: a policy file holds no critic.")]
+A recording opens in Foxglove or Lichtblick without set-up. The 3D panel shows the scene, the goals,
+the hindsight goals (the end of the episode) and the goals of the current stage; `/frame` and `/action`
+are numbers to plot. `push.layout.json` beside it is a layout to import. Q is recorded if the path is a
+run folder with a checkpoint, since a policy file holds no critic.")]
 pub(crate) struct PlayArgs {
-    /// Run folder, or a policy file
+    /// Run folder or policy file
     pub(crate) path: PathBuf,
 
-    /// Episodes to play
+    /// Number of episodes to play
     #[arg(long, value_name = "N", default_value = "1")]
     pub(crate) episodes: NonZeroU64,
 
-    /// Which episodes: the same ones for the same number, as in `rher eval`
+    /// Seed of the evaluation episodes, as in `rher eval`
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = toml_integer(0))]
     pub(crate) seed: u64,
 
@@ -328,7 +335,7 @@ pub(crate) struct PlayArgs {
     #[arg(long, value_name = "FILE", value_parser = recording())]
     pub(crate) mcap: Option<PathBuf>,
 
-    /// Draw the episodes as one moving picture, in this GIF file
+    /// Draw the episodes as one animation, in this GIF file
     #[arg(long, value_name = "FILE")]
     pub(crate) gif: Option<PathBuf>,
 
@@ -341,16 +348,16 @@ pub(crate) struct PlayArgs {
 #[command(after_long_help = "\
 Examples:
   rher replay push.mcap
-  rher replay push.mcap --verify           exit 0 if every episode was real, 12 if one was not
+  rher replay push.mcap --verify           exit 0 if every episode reproduces, 12 if one does not
 
-A proof plays every episode again from its seed and its actions, in the environment that the recording
-names, and compares every message bit for bit: poses, observations, rewards, distances, stages. It
-does not cover who decided, and Q, which are the learner's.")]
+`--verify` simulates every episode again from its seed and its actions, in the environment that the
+recording names, and compares every message bit for bit: poses, observations, rewards, distances,
+stages. It does not cover who acted, and Q, which depend on the learner.")]
 pub(crate) struct ReplayArgs {
     /// Recording of `rher play --mcap` or `rher train --record-every`
     pub(crate) path: PathBuf,
 
-    /// Play every episode again, and compare
+    /// Simulate every episode again, and compare it
     #[arg(long)]
     pub(crate) verify: bool,
 }
@@ -362,20 +369,20 @@ Examples:
   rher export runs/push-rher-fast-1 --format lerobot --out push-lerobot
   rher export push.mcap --format minari --out push-minari
 
-A run is played without exploration, as in `rher eval`; a recording is exported as it is.
+A run is played without exploration, as in `rher eval`; a recording is exported unchanged.
 Minari: `minari.MinariDataset(\"DIR/data\")`; where DIR is `ROOT/rher/<TASK>-v0` and
 MINARI_DATASETS_PATH is ROOT, also `minari.load_dataset(\"rher/<TASK>-v0\")`. Observations are those
 of a GoalEnv. LeRobot: `LeRobotDataset(\"rher/<TASK>\", root=\"DIR\")`, version 3.0, 25 frames per
 second, without pictures; the goal is `observation.environment_state`.")]
 pub(crate) struct ExportArgs {
-    /// Run folder or policy file to play, or recording
+    /// Run folder or policy file to play, or a recording
     pub(crate) path: PathBuf,
 
     /// Dataset format
     #[arg(long, value_enum, value_name = "FORMAT")]
     pub(crate) format: FormatName,
 
-    /// Folder of the dataset, which must not be there yet
+    /// Folder of the dataset, which must not exist yet
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
 
@@ -383,11 +390,11 @@ pub(crate) struct ExportArgs {
     #[arg(long, value_name = "ID")]
     pub(crate) dataset_id: Option<DatasetId>,
 
-    /// Episodes to play, or the first ones of a recording [default: 100, or all of a recording]
+    /// Number of episodes to play, or of a recording's first episodes [default: 100, or all of them]
     #[arg(long, value_name = "N")]
     pub(crate) episodes: Option<NonZeroU64>,
 
-    /// Which episodes are played: the same ones for the same number, as in `rher eval`
+    /// Seed of the episodes that are played, as in `rher eval`
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = toml_integer(0))]
     pub(crate) seed: u64,
 }
@@ -409,8 +416,8 @@ Examples:
 
 Runs of the same task, method and preset are one group, each a sample of it. Intervals are 95 %
 bootstrap intervals over the runs of a group, from a fixed seed: the same runs give the same output.
-The probability of improvement is the share of pairs of runs that the first group wins; ties, and
-runs that ended before the other got there, count half.")]
+The probability of improvement is the share of pairs of runs that the first group wins. Ties count
+half, and so do runs that ended before the other one reached the success rate.")]
 pub(crate) struct StatsArgs {
     /// Run folders, each with `config.toml` and `metrics.jsonl`
     #[arg(required = true, value_name = "RUN")]
@@ -433,22 +440,22 @@ Examples:
 
 A row of panels for each task: its success, and that of each sub-task before the last. Runs of the
 same method and preset are one line, with a 95 % bootstrap band where there are several. A run that
-has ended keeps its last success. An SVG file takes its letters from the fonts of whoever shows it;
-a PNG file needs none.")]
+has ended keeps its last success. An SVG file is shown with the fonts of the viewer; a PNG file needs
+none.")]
 pub(crate) struct PlotArgs {
     /// Run folders, each with `config.toml` and `metrics.jsonl`
     #[arg(required = true, value_name = "RUN")]
     pub(crate) runs: Vec<PathBuf>,
 
-    /// Picture to write; its name ends in .svg or .png
+    /// Image file to write; its name ends in .svg or .png
     #[arg(short, long, value_name = "FILE", default_value = "curves.svg", value_parser = picture)]
     pub(crate) out: PathBuf,
 
-    /// The horizontal axis
+    /// Horizontal axis
     #[arg(long, value_enum, default_value_t = Clock::Steps)]
     pub(crate) x: Clock,
 
-    /// What a line shows of several runs
+    /// Statistic of several runs that a line shows
     #[arg(long, value_enum, default_value_t = Measure::Mean)]
     pub(crate) measure: Measure,
 }
@@ -471,31 +478,13 @@ pub(crate) struct ReportArgs {
     pub(crate) out: PathBuf,
 }
 
-/// What curves are drawn against.
-#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
-pub(crate) enum Clock {
-    /// Environment steps of training
-    Steps,
-    /// Wall clock
-    Time,
-}
-
-/// What is shown of several runs.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub(crate) enum Measure {
-    /// The mean
-    Mean,
-    /// The interquartile mean
-    Iqm,
-}
-
 #[derive(Debug, Args)]
 #[command(after_long_help = "\
 Examples:
   rher config push > run.toml              every setting, ready to be changed
   rher train push --config run.toml")]
 pub(crate) struct ConfigArgs {
-    /// What to learn; `rher tasks` says more
+    /// Task to learn; `rher tasks` lists the tasks
     #[arg(value_parser = task())]
     pub(crate) task: Task,
 
@@ -505,7 +494,7 @@ pub(crate) struct ConfigArgs {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum BenchCommand {
-    /// Steps per CPU-second of the environments, random actions; also of many stepped together
+    /// Environment steps per CPU-second with random actions, of one environment and of many
     Env(BenchEnvArgs),
     /// Milliseconds per update of the networks
     Update(BenchUpdateArgs),
@@ -513,15 +502,15 @@ pub(crate) enum BenchCommand {
 
 #[derive(Debug, Args)]
 pub(crate) struct BenchEnvArgs {
-    /// Only this task; may be repeated [default: every task]
+    /// Task to measure; may be repeated [default: every task]
     #[arg(long = "task", value_name = "TASK", value_parser = task())]
     pub(crate) tasks: Vec<Task>,
 
-    /// What the program asks of itself: the rate of one thread, and nothing else
+    /// Print the rate of one thread only: for the program's own processes
     #[arg(long, hide = true)]
     pub(crate) one_thread: bool,
 
-    /// Print JSON: an array with one object for each task
+    /// Print JSON: an array with one object per task
     #[arg(long)]
     pub(crate) json: bool,
 }
@@ -532,7 +521,7 @@ pub(crate) struct BenchUpdateArgs {
     #[arg(long = "batch", value_name = "N")]
     pub(crate) batches: Vec<NonZeroUsize>,
 
-    /// Numbers in a network input; may be repeated [default: 31, 81]
+    /// Dimension of the network input; may be repeated [default: 31, 81]
     #[arg(long, value_name = "N")]
     pub(crate) inputs: Vec<NonZeroUsize>,
 
@@ -540,11 +529,11 @@ pub(crate) struct BenchUpdateArgs {
     #[arg(long, value_name = "N")]
     pub(crate) threads: Vec<NonZeroUsize>,
 
-    /// Only this engine [default: every engine]
-    #[arg(long, value_enum, value_name = "NAME")]
-    pub(crate) engine: Option<EngineName>,
+    /// Engine to measure [default: every engine]
+    #[arg(long, value_parser = engine(), value_name = "NAME")]
+    pub(crate) engine: Option<EngineKind>,
 
-    /// Print JSON: an array with one object for each row
+    /// Print JSON: an array with one object per row
     #[arg(long)]
     pub(crate) json: bool,
 }
@@ -555,14 +544,14 @@ impl From<&SettingsArgs> for Asked {
             args;
         let set = set.iter().map(|Assignment { key, value }| (key.clone(), value.clone()));
         Self {
-            preset: preset.map(Into::into),
+            preset: *preset,
             config: config.clone(),
             set: set.collect(),
-            method: method.map(Into::into),
+            method: *method,
             seed: *seed,
             env_steps: *env_steps,
             until: *until,
-            engine: engine.map(Into::into),
+            engine: *engine,
             envs: *envs,
         }
     }

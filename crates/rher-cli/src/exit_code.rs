@@ -1,7 +1,9 @@
 //! What the exit status of `rher` means: a promise to scripts.
 
+use signal_hook::consts::{SIGHUP, SIGTERM};
 use std::fmt::Write as _;
-use std::process::ExitCode;
+use std::os::unix::process::ExitStatusExt as _;
+use std::process::{ExitCode, ExitStatus};
 
 /// How a run of the program ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,8 +38,12 @@ pub(crate) enum Status {
     /// An address cannot be listened on.
     #[cfg(feature = "live")]
     Address = 13,
-    /// Interrupted, after saving.
+    /// Ended by SIGHUP, after saving.
+    HungUp = 129,
+    /// Ended by SIGINT, after saving.
     Interrupted = 130,
+    /// Ended by SIGTERM, after saving.
+    Terminated = 143,
 }
 
 impl Status {
@@ -57,28 +63,49 @@ impl Status {
         Self::NotReal,
         #[cfg(feature = "live")]
         Self::Address,
+        Self::HungUp,
         Self::Interrupted,
+        Self::Terminated,
     ];
 
     const fn meaning(self) -> &'static str {
         match self {
-            Self::Success => "everything went well",
-            Self::Failure => "something else went wrong",
-            Self::Usage => "the command line is wrong: unknown task or option, bad value",
-            Self::ConfigFile => "a config file is unreadable or has a wrong setting",
-            Self::ConfigVersion => "a config file has another version",
+            Self::Success => "success",
+            Self::Failure => "another error",
+            Self::Usage => "the command line is wrong: an unknown task or option, or a bad value",
+            Self::ConfigFile => "a settings file cannot be read, or has a wrong setting",
+            Self::ConfigVersion => "a settings file has another version",
             Self::RunFolder => "the run folder is in use, already holds a run, or holds none",
             Self::Unwritable => "a file or folder cannot be written",
             Self::DiskFull => "the disk is full",
             Self::Damaged => "a checkpoint or policy file is damaged",
             Self::Environment => "the environment failed",
-            Self::NotFinite => "NaN or infinity in an environment or in a loss",
-            Self::Recording => "a file is not a recording, or is cut off or damaged",
-            Self::NotReal => "a recorded episode is not what happens when it is played again",
+            Self::NotFinite => "NaN or infinity in an environment, a policy or the learner",
+            Self::Recording => "a file is not a recording, or it is cut off or damaged",
+            Self::NotReal => "a recorded episode does not reproduce",
             #[cfg(feature = "live")]
-            Self::Address => "an address cannot be listened on",
+            Self::Address => "the program cannot listen on an address",
+            Self::HungUp => "ended by SIGHUP; the run or the recording is saved",
             Self::Interrupted => "interrupted by Ctrl-C; the run or the recording is saved",
+            Self::Terminated => "ended by SIGTERM; the run or the recording is saved",
         }
+    }
+
+    /// The status of a program that this signal ended.
+    pub(crate) const fn of_signal(signal: i32) -> Self {
+        match signal {
+            SIGHUP => Self::HungUp,
+            SIGTERM => Self::Terminated,
+            _ => Self::Interrupted,
+        }
+    }
+
+    /// The status of a process that a signal ended, by itself or after saving.
+    pub(crate) fn of_interrupted(status: ExitStatus) -> Option<Self> {
+        const AFTER_SAVING: [Status; 3] = [Status::HungUp, Status::Interrupted, Status::Terminated];
+        let same = |known: &Self| status.code() == Some(*known as i32);
+        let killed = || status.signal().map(Self::of_signal);
+        AFTER_SAVING.into_iter().find(same).or_else(killed)
     }
 
     /// The list of all of them, as `--help` shows it.

@@ -1,84 +1,127 @@
 //! Many runs, a few at a time, each in a process and a folder of its own.
 
-use crate::cli::SettingsArgs;
-use crate::commands::{table, text};
+use crate::children::Children;
+use crate::errors::SameRun;
 use crate::exit_code::Status;
-use crate::observe::{percent, thousands};
+use crate::host::this_program;
+use crate::numbers::{percent, thousands};
 use crate::printer::Printer;
-use crate::runs::{Evaluation, read_evaluations};
-use crate::values::Assignment;
+use crate::tables::{table, text};
+use crate::trained::made_with;
 use anyhow::Context as _;
 use rher_core::files::FileError;
+use rher_core::train::checkpoint;
 use rher_envs::Task;
-use rher_runs::{RunDir, read_config, settings};
+use rher_runs::{
+    Evaluation, OtherSettings, RunDir, Settings, difference, read_evaluations, settings,
+};
 use serde::Serialize;
-use std::ffi::OsString;
+use sha2::{Digest as _, Sha256};
+use std::collections::HashMap;
 use std::fmt;
+use std::io::Write as _;
 use std::path::Path;
 use std::process::{Command, ExitStatus, Stdio};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
+/// Longest name of a folder, in bytes; file systems allow 255, and files beside it have longer names.
+const LONGEST_NAME: usize = 200;
+
 /// One run.
 #[derive(Clone, Debug)]
 pub(crate) struct Job {
-    /// What it is one of several seeds of; jobs of one cell stand together.
+    /// What it is one of several seeds of; jobs of one cell are neighbors.
     pub(crate) cell: String,
     pub(crate) task: Task,
-    pub(crate) settings: SettingsArgs,
+    /// All of them, read before the first run starts.
+    pub(crate) settings: Settings,
 }
 
 impl Job {
-    /// Name of its folder, such as `relay.mirror=0.5,seed=1`.
+    /// Name of its folder, such as `relay.mirror=0.5,seed=1`; a name that is too long is cut, and
+    /// ends with a hash of all of it.
     pub(crate) fn name(&self) -> String {
-        let seed = format!("seed={}", self.settings.seed.unwrap_or(1));
+        let seed = format!("seed={}", self.settings.config.seed);
         let parts: Vec<_> = self.cell.split_whitespace().chain([seed.as_str()]).collect();
-        parts.join(",").replace('"', "").replace('/', "_")
+        let name = parts.join(",").replace('"', "").replace('/', "_");
+        if name.len() <= LONGEST_NAME {
+            return name;
+        }
+        let hash: String =
+            Sha256::digest(&name).iter().take(8).map(|byte| format!("{byte:02x}")).collect();
+        let end = name.floor_char_boundary(LONGEST_NAME - hash.len() - 1);
+        format!("{}-{hash}", &name[..end])
     }
 
-    /// Begins the run, goes on with it, or finds it finished.
-    fn train(&self, folder: &Path) -> anyhow::Result<ExitStatus> {
-        let program = std::env::current_exe().context("cannot find this program's own file")?;
-        let mut command = Command::new(program);
-        command.args(["train", "--quiet", "--workers", "1"]).stdin(Stdio::null());
-        let SettingsArgs { env_steps, until, .. } = self.settings;
-        if RunDir::open(folder).is_ok() {
+    /// The command that begins the run in `folder` or resumes it, and what it reads.
+    fn command(&self, folder: &Path) -> anyhow::Result<(Command, String)> {
+        let mut command = Command::new(this_program()?);
+        let parent = std::process::id().to_string();
+        command.args(["train", "--quiet", "--workers", "1", "--parent", &parent]);
+        let config = &self.settings.config;
+        if holds_run(folder) {
+            let (env_steps, until) = (config.env_steps.to_string(), config.until.to_string());
             command.arg("--resume").arg(folder);
-        } else {
-            command.arg(self.task.name()).arg("--out").arg(folder);
-            let SettingsArgs { preset, config, set, method, seed, envs, .. } = &self.settings;
-            let options = [
-                ("--preset", preset.map(|preset| preset.name().into())),
-                ("--method", method.map(|method| method.name().into())),
-                ("--config", config.clone().map(Into::into)),
-                ("--seed", seed.map(|seed| seed.to_string().into())),
-                ("--envs", envs.map(|envs| envs.to_string().into())),
-            ];
-            add(&mut command, options);
-            for Assignment { key, value } in set {
-                command.arg("--set").arg(format!("{key}={value}"));
+            command.args(["--env-steps", &env_steps, "--until", &until]);
+            command.stdin(Stdio::null());
+            return Ok((command, String::new()));
+        }
+        command.arg(self.task.name()).arg("--out").arg(folder);
+        command.args(["--config", "/dev/stdin"]).stdin(Stdio::piped());
+        Ok((command, settings::to_toml(&self.settings)?))
+    }
+
+    /// Begins the run, resumes it, or finds it finished; `None` if this program was asked to end.
+    fn train(&self, folder: &Path, children: &Children) -> anyhow::Result<Option<ExitStatus>> {
+        let (mut command, input) = self.command(folder)?;
+        let child = children.start(&mut command).context("cannot start a run")?;
+        let Some(mut child) = child else { return Ok(None) };
+        if let Some(mut stdin) = child.stdin.take() {
+            // A run that ends before it has read its settings says why itself.
+            let _ = stdin.write_all(input.as_bytes());
+        }
+        Ok(Some(children.wait(child).context("cannot wait for a run")?))
+    }
+
+    /// Whether the run in `folder`, if there is one, is this one.
+    fn check(&self, folder: &Path) -> anyhow::Result<()> {
+        if !holds_run(folder) {
+            return Ok(());
+        }
+        let config = checkpoint::read_config(folder)?;
+        let options = made_with(&checkpoint::read_variant(folder)?, self.task)?;
+        match difference(&Settings { config, options }, &self.settings)? {
+            Some((key, found, asked)) => {
+                let folder = folder.to_owned();
+                Err(OtherSettings { folder, key, found, asked }.into())
             }
-        }
-        let options = [
-            ("--env-steps", env_steps.map(|steps| steps.to_string().into())),
-            ("--until", until.map(|rate| rate.to_string().into())),
-        ];
-        add(&mut command, options);
-        command.status().context("cannot start a run")
-    }
-}
-
-fn add<const K: usize>(command: &mut Command, options: [(&str, Option<OsString>); K]) {
-    for (name, value) in options {
-        if let Some(value) = value {
-            command.arg(name).arg(value);
+            None => Ok(()),
         }
     }
 }
 
-/// Does all jobs, `at_a_time` of them at a time, in folders of `out`, and prints what came of them.
+/// A run that another process is training counts, too.
+fn holds_run(folder: &Path) -> bool {
+    !matches!(RunDir::open(folder), Err(rher_runs::RunDirError::NoRun { .. }))
+}
+
+/// No two jobs are the same run, and none differs from the run in its folder.
+fn check(jobs: &[Job], out: &Path) -> anyhow::Result<()> {
+    let mut known = HashMap::new();
+    for job in jobs {
+        let text = settings::to_toml(&job.settings)?;
+        if let Some(first) = known.insert(text, &job.cell) {
+            let (first, second) = (first.clone(), job.cell.clone());
+            return Err(SameRun { first, second }.into());
+        }
+    }
+    jobs.iter().try_for_each(|job| job.check(&out.join(job.name())))
+}
+
+/// Does all jobs, `at_a_time` of them at a time, in folders of `out`, and prints their results.
 ///
-/// Done again, it goes on with runs that were interrupted and leaves finished ones alone.
+/// Done again, it resumes runs that were interrupted and does not touch finished ones.
 pub(crate) fn run(
     jobs: &[Job],
     at_a_time: usize,
@@ -86,83 +129,84 @@ pub(crate) fn run(
     json: bool,
     printer: Printer,
 ) -> anyhow::Result<Status> {
-    for Job { task, settings, .. } in jobs {
-        settings::resolve(*task, &settings.into())?;
-    }
+    check(jobs, out)?;
     std::fs::create_dir_all(out).map_err(FileError::write(out))?;
     let at_a_time = at_a_time.min(jobs.len());
     printer.note(format_args!("{} runs in {}, {at_a_time} at a time", jobs.len(), out.display()));
-    // The first Ctrl-C reaches every run, which saves and ends; this process waits for them.
-    ctrlc::set_handler(|| {}).context("cannot listen to Ctrl-C")?;
-
+    let children = Children::new()?;
     let next = AtomicUsize::new(0);
     let ended = AtomicUsize::new(0);
-    let work = || -> anyhow::Result<Vec<ExitStatus>> {
-        let mut statuses = Vec::new();
+    let failed = AtomicUsize::new(0);
+    // The status of a run that was asked to end, by this program or by someone else.
+    let work = || {
         while let Some(job) = jobs.get(next.fetch_add(1, Ordering::Relaxed)) {
             let name = job.name();
             let folder = out.join(&name);
-            let status = job.train(&folder)?;
-            statuses.push(status);
-            let ended = 1 + ended.fetch_add(1, Ordering::Relaxed);
-            printer.note(format_args!("{ended}/{}  {name}  {}", jobs.len(), Found::read(&folder)));
-            if is_interrupted(status) {
-                next.store(jobs.len(), Ordering::Relaxed);
+            match job.train(&folder, &children) {
+                Ok(None) => return None,
+                Ok(Some(status)) if status.success() => {}
+                Ok(Some(status)) => {
+                    if let Some(status) = Status::of_interrupted(status) {
+                        next.store(jobs.len(), Ordering::Relaxed);
+                        return Some(status);
+                    }
+                    failed.fetch_add(1, Ordering::Relaxed);
+                }
+                Err(error) => {
+                    printer.error(&error, None);
+                    failed.fetch_add(1, Ordering::Relaxed);
+                }
             }
+            let ended = 1 + ended.fetch_add(1, Ordering::Relaxed);
+            let found = Found::read(&folder, job);
+            printer.note(format_args!("{ended}/{}  {name}  {found}", jobs.len()));
         }
-        Ok(statuses)
+        None
     };
-    let statuses: Vec<_> = thread::scope(|scope| {
+    let interrupted = thread::scope(|scope| {
         let workers: Vec<_> = (0..at_a_time).map(|_| scope.spawn(work)).collect();
-        workers.into_iter().map(|worker| worker.join().expect("a worker does not panic")).collect()
+        let join = |worker: thread::ScopedJoinHandle<'_, _>| {
+            worker.join().expect("a worker does not panic")
+        };
+        workers.into_iter().map(join).fold(None, |before, status| before.or(status))
     });
-    let statuses = statuses.into_iter().collect::<anyhow::Result<Vec<_>>>()?.concat();
 
-    let cells = summarise(jobs, out);
+    let cells = summarize(jobs, out);
     if json {
         printer.data(&serde_json::to_string_pretty(&cells)?)?;
     } else {
         printer.data(&listing(&cells))?;
     }
-    if statuses.len() < jobs.len() || statuses.iter().copied().any(is_interrupted) {
-        printer.note("interrupted; the same command goes on");
-        return Ok(Status::Interrupted);
+    if let Some(status) = children.signal().map(Status::of_signal).or(interrupted) {
+        printer.note("interrupted; the same command continues");
+        return Ok(status);
     }
-    let failed = statuses.iter().filter(|status| !status.success()).count();
+    let failed = failed.into_inner();
     anyhow::ensure!(failed == 0, "{failed} of {} runs failed; their errors are above", jobs.len());
     Ok(Status::Success)
 }
 
-fn is_interrupted(status: ExitStatus) -> bool {
-    status.code() == Some(Status::Interrupted as i32)
-}
-
 /// How far a run came.
 struct Found {
-    until: f32,
+    is_solved: bool,
     last: Option<Evaluation>,
-    before: Option<Evaluation>,
 }
 
 impl Found {
-    fn read(folder: &Path) -> Self {
-        let until = read_config(folder).map_or(0.0, |run| run.config.until);
-        let mut evaluations = read_evaluations(folder).unwrap_or_default();
-        Self { until, last: evaluations.pop(), before: evaluations.pop() }
-    }
-
-    fn is_solved(&self) -> bool {
-        let good = |evaluation: &Option<Evaluation>| {
-            evaluation.as_ref().is_some_and(|evaluation| evaluation.reaches(self.until.into()))
-        };
-        self.until > 0.0 && good(&self.last) && good(&self.before)
+    fn read(folder: &Path, job: &Job) -> Self {
+        let evaluations = read_evaluations(folder).unwrap_or_default();
+        let rates: Vec<f32> =
+            evaluations.iter().map(|evaluation| evaluation.success_final as f32).collect();
+        let is_solved =
+            rates.last_chunk().is_some_and(|last_two| job.settings.config.is_solved(*last_two));
+        Self { is_solved, last: evaluations.last().cloned() }
     }
 }
 
 impl fmt::Display for Found {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Some(last) = &self.last else { return f.write_str("nothing measured") };
-        let word = if self.is_solved() { "solved" } else { "success" };
+        let Some(last) = &self.last else { return f.write_str("not evaluated yet") };
+        let word = if self.is_solved { "solved" } else { "success" };
         let success = percent(last.success_final);
         write!(f, "{word} {success} after {} steps", thousands(last.env_steps))
     }
@@ -183,11 +227,12 @@ struct Cell<'a> {
     success: Option<f64>,
 }
 
-fn summarise<'a>(jobs: &'a [Job], out: &Path) -> Vec<Cell<'a>> {
+fn summarize<'a>(jobs: &'a [Job], out: &Path) -> Vec<Cell<'a>> {
     jobs.chunk_by(|a, b| a.cell == b.cell)
         .map(|jobs| {
-            let found: Vec<_> = jobs.iter().map(|job| Found::read(&out.join(job.name()))).collect();
-            let solved = || found.iter().filter(|found| found.is_solved());
+            let found: Vec<_> =
+                jobs.iter().map(|job| Found::read(&out.join(job.name()), job)).collect();
+            let solved = || found.iter().filter(|found| found.is_solved);
             let last = |found: &Found| found.last.clone();
             let measured: Vec<_> = found.iter().filter_map(last).collect();
             let success = measured.iter().map(|evaluation| evaluation.success_final);

@@ -1,21 +1,18 @@
 //! The `rher` program: train, evaluate and measure relay hindsight policies.
 
-mod animation;
-mod chart;
+mod children;
 mod cli;
 mod commands;
-mod curves;
-mod error;
+mod errors;
 mod exit_code;
-mod figure;
 mod film;
+mod host;
 mod jobs;
+mod numbers;
 mod observe;
-mod pictures;
+mod plot;
 mod printer;
-mod published;
-mod runs;
-mod statistics;
+mod tables;
 mod trained;
 mod values;
 
@@ -28,7 +25,7 @@ fn main() -> ExitCode {
     match commands::run(cli.command, printer) {
         Ok(status) => status.into(),
         Err(error) => {
-            let report = error::Report::of(&error);
+            let report = errors::report(&error);
             printer.error(&error, report.hint.as_deref());
             report.status.into()
         }

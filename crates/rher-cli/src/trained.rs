@@ -1,7 +1,7 @@
 //! A trained policy and all that is known about it, from a run folder or a policy file.
 
-use crate::commands::made_with;
-use crate::error::ForeignTask;
+use crate::errors::ForeignTask;
+use anyhow::Context as _;
 use rher_core::config::TestPolicy;
 use rher_core::files::FileError;
 use rher_core::policy::Critic;
@@ -61,6 +61,19 @@ impl Trained {
         }
         Ok(())
     }
+}
+
+/// The options that an environment of `task` was made with, from what runs and policies remember.
+pub(crate) fn made_with(variant: &str, task: Task) -> anyhow::Result<Options> {
+    if variant.is_empty() {
+        return Ok(Options::of(task.options()));
+    }
+    variant.parse().with_context(|| format!("cannot read the options of `{task}`: {variant}"))
+}
+
+/// The warning that a recording was read up to its last whole episode.
+pub(crate) fn unfinished(path: &Path) -> String {
+    format!("`{}` is not finished: an episode at its end may be left out", path.display())
 }
 
 /// As `sha256sum` prints it.

@@ -2,54 +2,27 @@
 
 use clap::ValueEnum;
 use clap::builder::{
-    PathBufValueParser, PossibleValuesParser, RangedU64ValueParser, TypedValueParser, ValueParser,
+    PathBufValueParser, PossibleValue, PossibleValuesParser, RangedU64ValueParser,
+    TypedValueParser, ValueParser,
 };
-use rher_core::config::EngineKind;
-use rher_core::config::{Method, Preset};
+use rher_core::config::{EngineKind, Method, Preset};
 use rher_envs::Task;
 use std::path::PathBuf;
 use std::str::FromStr;
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
-pub(crate) enum PresetName {
-    /// Reaches the success rate soonest on your machine
-    Fast,
-    /// Reaches it in the fewest environment steps
-    SampleEfficient,
-    /// The published settings
-    Paper,
-}
-
-impl PresetName {
-    /// As on the command line.
-    pub(crate) fn name(self) -> &'static str {
-        Preset::from(self).name()
-    }
-}
-
-impl From<PresetName> for Preset {
-    fn from(name: PresetName) -> Self {
-        match name {
-            PresetName::Fast => Self::Fast,
-            PresetName::SampleEfficient => Self::SampleEfficient,
-            PresetName::Paper => Self::Paper,
-        }
-    }
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
 pub(crate) enum ExperimentName {
     /// Table I: which policy acts before the object is reached, in training and in evaluation
     Policies,
-    /// How near counts as reached: d of 0 to 12 cm
+    /// The distance that counts as reached: d of 0 to 12 cm
     ReachDistance,
-    /// How often the guide acts: α of 0 to 0.8
+    /// The probability that the guide acts: α of 0 to 0.8
     GuideRate,
     /// One environment against 19 side by side
     Envs,
-    /// Plain hindsight, with as many updates as the relay makes, and with half
+    /// Plain hindsight, with as many updates as the relay, and with half of them
     Her,
-    /// Whether reaching is lost while pushing is learned
+    /// Whether reaching is forgotten while pushing is learned
     Forgetting,
     /// Table II: steps to 95 % on push and pick
     Table2,
@@ -66,47 +39,6 @@ impl ExperimentName {
             Self::Her => "her",
             Self::Forgetting => "forgetting",
             Self::Table2 => "table2",
-        }
-    }
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub(crate) enum MethodName {
-    /// Relay hindsight: every sub-task, guided exploration
-    Rher,
-    /// Plain hindsight: the last sub-task alone, no guide
-    Her,
-}
-
-impl MethodName {
-    /// As on the command line.
-    pub(crate) fn name(self) -> &'static str {
-        Method::from(self).name()
-    }
-}
-
-impl From<MethodName> for Method {
-    fn from(name: MethodName) -> Self {
-        match name {
-            MethodName::Rher => Self::Rher,
-            MethodName::Her => Self::Her,
-        }
-    }
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub(crate) enum EngineName {
-    /// Burn's autodiff: the reference
-    Burn,
-    /// Explicit forward and backward passes over preallocated buffers
-    Fused,
-}
-
-impl From<EngineName> for EngineKind {
-    fn from(name: EngineName) -> Self {
-        match name {
-            EngineName::Burn => Self::Burn,
-            EngineName::Fused => Self::Fused,
         }
     }
 }
@@ -183,6 +115,41 @@ fn toml_value(text: &str) -> Result<toml::Value, String> {
         Err(_) if !text.is_empty() && text.chars().all(is_word) => Ok(text.into()),
         Err(error) => Err(format!("`{text}` is not a TOML value: {}", error.message())),
     }
+}
+
+pub(crate) fn preset() -> ValueParser {
+    named(&Preset::ALL, Preset::name, |preset| match preset {
+        Preset::Fast => "Reaches the success rate in the shortest time on your machine",
+        Preset::SampleEfficient => "Reaches the success rate in the fewest environment steps",
+        Preset::Paper => "The published settings",
+    })
+}
+
+pub(crate) fn method() -> ValueParser {
+    named(&Method::ALL, Method::name, |method| match method {
+        Method::Rher => "Relay hindsight: all sub-tasks, with guided exploration",
+        Method::Her => "Plain hindsight: the last sub-task alone, without a guide",
+    })
+}
+
+pub(crate) fn engine() -> ValueParser {
+    named(EngineKind::AVAILABLE, EngineKind::name, |engine| match engine {
+        EngineKind::Burn => "Burn's automatic differentiation: the reference",
+        EngineKind::Fused => "Explicit forward and backward passes over preallocated buffers",
+    })
+}
+
+/// Takes the name of one of `all`.
+fn named<T: Copy + Send + Sync + 'static>(
+    all: &'static [T],
+    name: fn(T) -> &'static str,
+    help: fn(T) -> &'static str,
+) -> ValueParser {
+    let possible = all.iter().map(|&value| PossibleValue::new(name(value)).help(help(value)));
+    ValueParser::new(PossibleValuesParser::new(possible).try_map(move |chosen| {
+        let found = all.iter().copied().find(|&value| name(value) == chosen);
+        found.ok_or("there is no such value")
+    }))
 }
 
 pub(crate) fn task() -> ValueParser {

@@ -4,7 +4,7 @@ use std::fmt;
 use std::fs::File;
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
-use tempfile::NamedTempFile;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// What was tried with a file or a folder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,37 +48,40 @@ impl FileError {
     }
 }
 
-/// Writes `bytes` to `path`: to a temporary file in the same folder, synced, then renamed, so that
-/// the file is complete or as it was before.
+/// Writes `bytes` to `path`: to a new file in the same folder, synced, then renamed, so that the
+/// file is complete or as it was before.
 ///
 /// # Errors
 ///
 /// If the operating system refuses to make, write, sync or rename the file.
 pub fn replace(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
-    try_replace(path, bytes).map_err(FileError::write(path))
-}
-
-fn try_replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let folder = folder(path);
-    let mut file = named(folder)?;
-    file.write_all(bytes)?;
-    file.as_file().sync_all()?;
-    file.persist(path).map_err(|error| error.error)?;
-    File::open(folder)?.sync_all()
+    let written = create_beside(folder).and_then(|(mut file, new)| {
+        let written = file
+            .write_all(bytes)
+            .and_then(|()| file.sync_all())
+            .and_then(|()| std::fs::rename(&new, path));
+        written.inspect_err(|_| {
+            // The error that matters is the one before.
+            let _ = std::fs::remove_file(&new);
+        })
+    });
+    written.map_err(FileError::write(path))?;
+    sync_folder(folder)
 }
 
-/// A temporary file that others may read as they may any new file.
-#[cfg(unix)]
-fn named(folder: &Path) -> io::Result<NamedTempFile> {
-    use std::os::unix::fs::PermissionsExt as _;
-    const AS_THE_UMASK_ALLOWS: u32 = 0o666;
-    let permissions = std::fs::Permissions::from_mode(AS_THE_UMASK_ALLOWS);
-    tempfile::Builder::new().permissions(permissions).tempfile_in(folder)
-}
-
-#[cfg(not(unix))]
-fn named(folder: &Path) -> io::Result<NamedTempFile> {
-    NamedTempFile::new_in(folder)
+/// A new file with a short name that no other process or thread uses.
+fn create_beside(folder: &Path) -> io::Result<(File, PathBuf)> {
+    static NEXT: AtomicU64 = AtomicU64::new(0);
+    loop {
+        let number = NEXT.fetch_add(1, Ordering::Relaxed);
+        let path = folder.join(format!(".rher-{}-{number}.new", std::process::id()));
+        match File::create_new(&path) {
+            // Another machine or a killed process may have used the same number.
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+            file => return Ok((file?, path)),
+        }
+    }
 }
 
 /// Makes the renames in a folder durable.

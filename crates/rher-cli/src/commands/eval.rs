@@ -1,9 +1,10 @@
 //! `rher eval`: how often a policy succeeds.
 
-use super::{table, text, threads};
 use crate::cli::EvalArgs;
-use crate::observe::percent;
+use crate::host::threads;
+use crate::numbers::percent;
 use crate::printer::Printer;
+use crate::tables::{table, text};
 use crate::trained::Trained;
 use rher_core::config::{EvaluationConfig, TestPolicy};
 use rher_core::evaluate::{Evaluation, evaluate};
@@ -114,7 +115,7 @@ fn describe(report: &EvalReport) -> String {
     }
     add("final distance", format!("{:.1} cm", 100.0 * report.final_distance));
     if let Some(distance) = report.true_final_distance {
-        add("really", format!("{:.1} cm", 100.0 * distance));
+        add("true distance", format!("{:.1} cm", 100.0 * distance));
     }
     add("env seed", report.env_seed.to_string());
     text(&lines)

@@ -1,32 +1,27 @@
 //! `rher export`: episodes as a dataset of demonstrations.
 
-use super::stop_on_interrupt;
 use crate::cli::{ExportArgs, FormatName};
+use crate::errors::NoDatasetId;
 use crate::exit_code::Status;
-use crate::observe::thousands;
+use crate::host::Stop;
+use crate::numbers::thousands;
 use crate::printer::Printer;
-use crate::trained::Trained;
+use crate::trained::{Trained, unfinished};
 use rher_core::evaluate::play;
 use rher_core::seed::Seed;
 use rher_envs::{EnvVisitor, Simulated};
 use rher_record::export::{Dataset, DatasetFormat, DatasetId, Demonstration, ExportError};
 use rher_record::{Player, Recording, RecordingInfo, Source};
 use std::num::NonZeroU64;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Episodes to play where nothing is said.
 const EPISODES: u64 = 100;
-
-/// The format has no place for an identity.
-#[derive(Debug, thiserror::Error)]
-#[error("`--dataset-id` is for `--format minari`: a LeRobot dataset does not contain an identity")]
-pub(crate) struct NoDatasetId;
 
 pub(crate) fn export(args: &ExportArgs, printer: Printer) -> anyhow::Result<Status> {
     if args.dataset_id.is_some() && matches!(args.format, FormatName::Lerobot) {
         return Err(NoDatasetId.into());
     }
-    let stop = stop_on_interrupt(move |line| printer.note(line), "stopping; nothing is written")?;
+    let stop = Stop::listen(move |line| printer.note(line), "stopping; no dataset is written")?;
     let recorded = args.path.extension().is_some_and(|extension| extension == "mcap");
     let written = if recorded {
         convert(args, printer, &stop)?
@@ -35,7 +30,7 @@ pub(crate) fn export(args: &ExportArgs, printer: Printer) -> anyhow::Result<Stat
         let (task, options) = (trained.task, trained.options.clone());
         task.visit_with(&options, PlayAll { trained, args, stop: &stop })??
     };
-    let Some(Written { episodes, steps }) = written else { return Ok(Status::Interrupted) };
+    let Some(Written { episodes, steps }) = written else { return Ok(stop.status()) };
     let (steps, out) = (thousands(steps), args.out.display());
     printer.note(format_args!("{episodes} episodes, {steps} steps, in `{out}`"));
     Ok(Status::Success)
@@ -73,11 +68,7 @@ fn start(args: &ExportArgs, info: &RecordingInfo) -> Result<Dataset, ExportError
 }
 
 /// Makes a dataset of a recording; nothing if it was stopped.
-fn convert(
-    args: &ExportArgs,
-    printer: Printer,
-    stop: &AtomicBool,
-) -> anyhow::Result<Option<Written>> {
+fn convert(args: &ExportArgs, printer: Printer, stop: &Stop) -> anyhow::Result<Option<Written>> {
     let mut recording = Recording::open(&args.path)?;
     let info = recording.info.clone();
     let mut dataset = start(args, &info)?;
@@ -86,14 +77,14 @@ fn convert(
     while written.episodes < first
         && let Some(recorded) = recording.next()
     {
-        if stop.load(Ordering::Relaxed) {
+        if stop.is_asked() {
             return Ok(None);
         }
         written.add(&mut dataset, &Demonstration::recorded(&info, &recorded?))?;
     }
     dataset.finish()?;
     if recording.is_cut_off() {
-        printer.warn(super::unfinished(&args.path));
+        printer.warn(unfinished(&args.path));
     }
     Ok(Some(written))
 }
@@ -103,7 +94,7 @@ fn convert(
 struct PlayAll<'a> {
     trained: Trained,
     args: &'a ExportArgs,
-    stop: &'a AtomicBool,
+    stop: &'a Stop,
 }
 
 impl EnvVisitor for PlayAll<'_> {
@@ -121,7 +112,7 @@ impl EnvVisitor for PlayAll<'_> {
         let mut dataset = start(args, &info)?;
         let mut written = Written::default();
         for number in 0..args.episodes.map_or(EPISODES, NonZeroU64::get) {
-            if stop.load(Ordering::Relaxed) {
+            if stop.is_asked() {
                 return Ok(None);
             }
             let (test_policy, seed) = (trained.test_policy(), Seed(args.seed));

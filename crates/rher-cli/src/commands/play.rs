@@ -1,17 +1,17 @@
 //! `rher play`: what a policy does, episode by episode, and recordings of it.
 
-use super::{stop_on_interrupt, table, text};
 use crate::cli::PlayArgs;
 use crate::exit_code::Status;
-use crate::pictures::Pictures;
+use crate::film::Pictures;
+use crate::host::Stop;
 use crate::printer::Printer;
+use crate::tables::{table, text};
 use crate::trained::Trained;
 use rher_core::evaluate::{Played, final_distance, play as play_episode};
 use rher_core::goal::{EncodedGoal, Tolerances};
 use rher_core::seed::Seed;
 use rher_envs::{EnvVisitor, Simulated};
 use rher_record::{Player, RecordingFile, RecordingInfo, Source, layout_beside};
-use std::sync::atomic::{AtomicBool, Ordering};
 
 pub(crate) fn play(args: &PlayArgs, printer: Printer) -> anyhow::Result<Status> {
     let trained = Trained::load(&args.path)?;
@@ -40,7 +40,10 @@ impl EnvVisitor for Play<'_> {
         let mut recording = recording.transpose()?;
         let mut pictures = Pictures::new(args.gif.as_ref(), args.png_dir.as_ref())?;
         let mut player = Player::new(build(), reach_distance);
-        let stop = stop_on_interrupt(move |line| printer.note(line), "finishing the episode")?;
+        let stop = Stop::listen(
+            move |line| printer.note(line),
+            "finishing the episode; press Ctrl-C again to exit at once",
+        )?;
         let critic = trained.critic();
         let mut show = |number, played: &Played<N>| -> anyhow::Result<()> {
             if let Some(recording) = &mut recording {
@@ -71,7 +74,7 @@ impl EnvVisitor for Play<'_> {
             pictures.finish()?;
         }
         printer.data(&lines)?;
-        Ok(if stop.load(Ordering::Relaxed) { Status::Interrupted } else { Status::Success })
+        Ok(if stop.is_asked() { stop.status() } else { Status::Success })
     }
 }
 
@@ -81,7 +84,7 @@ fn play_all<const N: usize, E: Simulated<N>>(
     trained: &Trained,
     args: &PlayArgs,
     show: &mut impl FnMut(u64, &Played<N>) -> anyhow::Result<()>,
-    stop: &AtomicBool,
+    stop: &Stop,
 ) -> anyhow::Result<String> {
     let policy = &trained.policy;
     let stage = policy.info().last_stage::<N>()?;
@@ -89,7 +92,7 @@ fn play_all<const N: usize, E: Simulated<N>>(
     let mut lines = table();
     lines.set_header(["episode", "success", "distance", "steps to success"]);
     for number in 0..args.episodes.get() {
-        if stop.load(Ordering::Relaxed) {
+        if stop.is_asked() {
             break;
         }
         let (test_policy, seed) = (trained.test_policy(), Seed(args.seed));

@@ -1,11 +1,11 @@
 //! `rher plot`: learning curves.
 
 use crate::cli::PlotArgs;
-use crate::figure::Figure;
+use crate::plot::Figure;
 use crate::printer::Printer;
-use crate::runs::read_groups;
 use anyhow::Context as _;
 use rher_core::files;
+use rher_runs::read_groups;
 
 pub(crate) fn plot(args: &PlotArgs, printer: Printer) -> anyhow::Result<()> {
     let groups = read_groups(&args.runs)?;

@@ -1,33 +1,15 @@
-//! `rher replay`: what a recording holds, and the proof that it was real.
+//! `rher replay`: what a recording holds, and whether it reproduces.
 
-use super::{made_with, table, text};
 use crate::cli::ReplayArgs;
-use crate::error::ForeignTask;
-use crate::observe::thousands;
+use crate::errors::{ForeignTask, NotReal};
+use crate::numbers::thousands;
 use crate::printer::Printer;
+use crate::tables::{table, text};
+use crate::trained::{made_with, unfinished};
 use rher_envs::{EnvVisitor, Simulated, Task};
-use rher_record::verify::{Difference, verify};
+use rher_record::verify::verify;
 use rher_record::{Player, ReadError, Recording, RecordingInfo};
-use std::path::{Path, PathBuf};
-
-/// A recording is not what happens.
-#[derive(Debug, thiserror::Error)]
-#[error(
-    "`{}` is not what happens: in episode {}, step {}, `{}` is {} in the recording, and {} when \
-     it is played again",
-    path.display(),
-    difference.episode,
-    difference.step,
-    difference.field,
-    difference.recorded,
-    difference.simulated
-)]
-pub(crate) struct NotReal {
-    path: PathBuf,
-    difference: Difference,
-    /// Versions of this program and its physics that made the recording, where they are others.
-    pub(crate) made_by: Option<String>,
-}
+use std::path::Path;
 
 pub(crate) fn replay(args: &ReplayArgs, printer: Printer) -> anyhow::Result<()> {
     let ReplayArgs { path, verify } = args;
@@ -39,19 +21,19 @@ pub(crate) fn replay(args: &ReplayArgs, printer: Printer) -> anyhow::Result<()> 
         let verify = Verify { recording: &mut recording, path };
         let [episodes, steps] = task.visit_with(&options, verify)??;
         printer.data(&format!(
-            "real: {episodes} episodes, {} steps of `{task}`, played again bit for bit",
+            "verified: {episodes} episodes, {} steps of `{task}` reproduce bit for bit",
             thousands(steps)
         ))?;
     } else {
         printer.data(&list(&mut recording)?)?;
     }
     if recording.is_cut_off() {
-        printer.warn(super::unfinished(path));
+        printer.warn(unfinished(path));
     }
     Ok(())
 }
 
-/// Proof that every episode of a recording was real; the number of episodes and of their steps.
+/// Verifies that every episode of a recording reproduces; the numbers of episodes and of steps.
 struct Verify<'a> {
     recording: &'a mut Recording,
     path: &'a Path,

@@ -1,21 +1,18 @@
 //! `rher report`: what runs came to, on one page that needs no other file.
 
 use super::stats::{NOTE, Stats, sections};
-use crate::animation::Animation;
-use crate::chart::escaped;
-use crate::cli::{Clock, Measure, ReportArgs};
-use crate::figure::Figure;
-use crate::film::{Film, SIZE};
-use crate::observe::{duration, percent, thousands};
+use crate::cli::ReportArgs;
+use crate::film::{Animation, Film, SIZE};
+use crate::numbers::{duration, percent, thousands};
+use crate::plot::{Clock, Figure, Measure, escaped};
 use crate::printer::Printer;
-use crate::runs::{Group, Run, RunError, read_groups};
 use crate::trained::Trained;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use comfy_table::Table;
-use rher_core::files;
+use rher_core::files::{self, FileError};
 use rher_core::train::checkpoint::POLICY_FILE;
-use rher_runs::{CONFIG_FILE, Machine};
+use rher_runs::{CONFIG_FILE, Group, Machine, Run, RunError, read_groups};
 use std::fmt::{self, Write as _};
 use std::path::{Path, PathBuf};
 
@@ -40,7 +37,7 @@ pub(crate) fn report(args: &ReportArgs, printer: Printer) -> anyhow::Result<()> 
     page.element(
         "p",
         "Lines are means over runs; bands are 95 % bootstrap intervals. Dashed: what the authors \
-         of the method published, where they did.",
+         of the method published for the task, if they did.",
     );
     for (title, table) in sections(&Stats::of(&groups)) {
         page.table(title, &table);
@@ -60,14 +57,14 @@ pub(crate) fn report(args: &ReportArgs, printer: Printer) -> anyhow::Result<()> 
     }
 
     page.element("h2", "Runs");
-    page.table("Where each of them ended", &listing(&args.runs)?);
+    page.table("The last evaluation of each run", &listing(&args.runs)?);
 
     page.element("h2", "Settings");
     for (group, _) in &groups {
         for folder in of_group(group, &args.runs)?.into_iter().take(1) {
             let path = folder.join(CONFIG_FILE);
             let settings = std::fs::read_to_string(&path);
-            let settings = settings.map_err(|source| RunError::Read { path, source })?;
+            let settings = settings.map_err(FileError::read(&path))?;
             page.details(&format!("{group}, as in {}", folder.display()), &settings);
         }
     }
@@ -127,7 +124,7 @@ fn listing(folders: &[PathBuf]) -> anyhow::Result<Table> {
     Ok(listing)
 }
 
-/// What made each of the runs, as far as they tell, and what made this page.
+/// What made each of the runs, as far as that was kept, and what made this page.
 fn machines(folders: &[PathBuf]) -> Table {
     let mut machines = Table::new();
     machines.set_header(["what", "program", "system", "processor", "cores"]);
@@ -136,7 +133,7 @@ fn machines(folders: &[PathBuf]) -> Table {
         let known = machine.map(|Machine { program, system, processor, cores }| {
             [program, system, processor, cores.to_string()]
         });
-        let unknown = || ["not told", "", "", ""].map(str::to_owned);
+        let unknown = || ["unknown", "", "", ""].map(str::to_owned);
         machines.add_row([what].into_iter().chain(known.unwrap_or_else(unknown)));
     }
     machines

@@ -1,12 +1,14 @@
 //! `rher reproduce`: the paper's experiments, each by one command.
 
-use super::threads;
 use crate::cli::{ReproduceArgs, SettingsArgs};
 use crate::exit_code::Status;
+use crate::host::threads;
 use crate::jobs::{self, Job};
 use crate::printer::Printer;
-use crate::values::{Assignment, ExperimentName, MethodName, PresetName};
+use crate::values::{Assignment, ExperimentName};
+use rher_core::config::{Method, Preset};
 use rher_envs::Task;
+use rher_runs::settings;
 use std::path::Path;
 
 pub(crate) fn reproduce(args: &ReproduceArgs, printer: Printer) -> anyhow::Result<Status> {
@@ -14,10 +16,10 @@ pub(crate) fn reproduce(args: &ReproduceArgs, printer: Printer) -> anyhow::Resul
     let name = args.experiment.name();
     let folder = || Path::new("runs").join(format!("reproduce-{name}"));
     let out = args.out.clone().unwrap_or_else(folder);
-    printer.note(format_args!("the paper: {}", experiment.claim));
+    printer.note(format_args!("the paper reports: {}", experiment.claim));
     let seeds = &args.runs.seeds.0;
     let of_seeds = |case: &Case| seeds.iter().map(|&seed| case.job(args, seed)).collect::<Vec<_>>();
-    let jobs: Vec<_> = experiment.cases.iter().flat_map(of_seeds).collect();
+    let jobs = experiment.cases.iter().flat_map(of_seeds).collect::<anyhow::Result<Vec<_>>>()?;
     jobs::run(&jobs, threads(args.runs.jobs), &out, args.runs.json, printer)
 }
 
@@ -32,7 +34,7 @@ struct Experiment {
 struct Case {
     label: String,
     task: Task,
-    method: MethodName,
+    method: Method,
     set: Vec<Assignment>,
     envs: Option<u64>,
     env_steps: u64,
@@ -43,7 +45,7 @@ impl Case {
     /// A run that ends when it is solved, or after so many steps.
     fn new(label: String, task: Task, env_steps: u64) -> Self {
         let set = Vec::new();
-        Self { label, task, method: MethodName::Rher, set, envs: None, env_steps, until: 0.95 }
+        Self { label, task, method: Method::Rher, set, envs: None, env_steps, until: 0.95 }
     }
 
     fn set(mut self, key: &str, value: impl Into<toml::Value>) -> Self {
@@ -51,22 +53,20 @@ impl Case {
         self
     }
 
-    fn job(&self, args: &ReproduceArgs, seed: u64) -> Job {
-        Job {
-            cell: self.label.clone(),
-            task: self.task,
-            settings: SettingsArgs {
-                preset: Some(args.preset.unwrap_or(PresetName::Paper)),
-                config: None,
-                set: self.set.clone(),
-                method: Some(self.method),
-                seed: Some(seed),
-                env_steps: Some(args.runs.env_steps.unwrap_or(self.env_steps)),
-                until: Some(self.until),
-                engine: None,
-                envs: self.envs,
-            },
-        }
+    fn job(&self, args: &ReproduceArgs, seed: u64) -> anyhow::Result<Job> {
+        let asked = SettingsArgs {
+            preset: Some(args.preset.unwrap_or(Preset::Paper)),
+            config: None,
+            set: self.set.clone(),
+            method: Some(self.method),
+            seed: Some(seed),
+            env_steps: Some(args.runs.env_steps.unwrap_or(self.env_steps)),
+            until: Some(self.until),
+            engine: None,
+            envs: self.envs,
+        };
+        let settings = settings::resolve(self.task, &(&asked).into())?;
+        Ok(Job { cell: self.label.clone(), task: self.task, settings })
     }
 }
 
@@ -125,7 +125,7 @@ impl Experiment {
                     .chain([(Task::DPush, 40)])
                     .map(|(task, updates)| {
                         let label = format!("{} updates={updates}", task.name());
-                        Case { method: MethodName::Her, ..Case::new(label, task, 250_000) }
+                        Case { method: Method::Her, ..Case::new(label, task, 250_000) }
                             .set("replay.updates_per_episode", updates)
                     })
                     .collect(),

@@ -1,26 +1,26 @@
 //! `rher stats`: what runs reached, how soon, and how sure that is.
 
-use super::{table, text};
 use crate::cli::StatsArgs;
-use crate::observe::{duration, percent, thousands};
-use crate::printer::Printer;
-use crate::runs::{Evaluation, Group, Run, read_groups};
-use crate::statistics::{
+use crate::numbers::{duration, percent, thousands};
+use crate::plot::statistics::{
     greater, interquartile_mean, interval, interval_of_two, mean, median,
     probability_of_improvement,
 };
+use crate::printer::Printer;
+use crate::tables::{table, text};
 use comfy_table::Table;
 use comfy_table::presets::ASCII_MARKDOWN;
+use rher_runs::{Evaluation, Group, Run, read_groups};
 use serde::Serialize;
 
 /// Success rates whose first time is told.
 const RATES: [f64; 4] = [0.5, 0.8, 0.9, 0.95];
 
 /// What the tables do not say.
-pub(super) const NOTE: &str = "In brackets: 95 % bootstrap intervals over runs; a single run has \
-                               none. Times are of the median run.";
+pub(super) const NOTE: &str = "In brackets: 95 % bootstrap intervals over runs, where there are \
+                               several. Times are those of the median run.";
 
-/// The rate by which two groups are compared: training ends there unless told otherwise.
+/// The rate by which two groups are compared: training ends there by default.
 const SOLVED: f64 = 0.95;
 
 /// What is printed.
@@ -87,7 +87,7 @@ pub(crate) fn stats(args: &StatsArgs, printer: Printer) -> anyhow::Result<()> {
     for (group, runs) in &groups {
         if runs.iter().any(|run| run.settings != runs[0].settings) {
             printer.note(format_args!(
-                "note: the runs of {group} differ in more than the seed; `diff` their `config.toml`"
+                "note: the runs of {group} differ in more than the seed; compare their `config.toml`"
             ));
         }
     }
@@ -286,7 +286,7 @@ pub(super) fn sections(stats: &Stats) -> Vec<(&'static str, Table)> {
         comparisons.set_header([
             "task",
             "a run of",
-            "over one of",
+            "better than one of",
             "higher final success",
             "95 % in fewer steps",
             "95 % in less time",

@@ -1,21 +1,27 @@
 //! `rher sweep`: a grid of runs.
 
-use super::threads;
 use crate::cli::{SettingsArgs, SweepArgs};
+use crate::errors::RepeatedKey;
 use crate::exit_code::Status;
+use crate::host::threads;
 use crate::jobs::{self, Job};
 use crate::printer::Printer;
 use crate::values::Assignment;
+use rher_runs::settings;
 use std::path::Path;
 
 pub(crate) fn sweep(args: &SweepArgs, printer: Printer) -> anyhow::Result<Status> {
     let out =
         args.out.clone().unwrap_or_else(|| Path::new("runs").join(format!("sweep-{}", args.task)));
-    jobs::run(&grid(args), threads(args.runs.jobs), &out, args.runs.json, printer)
+    jobs::run(&grid(args)?, threads(args.runs.jobs), &out, args.runs.json, printer)
 }
 
 /// Every combination of values and seeds.
-fn grid(args: &SweepArgs) -> Vec<Job> {
+fn grid(args: &SweepArgs) -> anyhow::Result<Vec<Job>> {
+    let keys: Vec<&str> = args.vary.iter().map(|axis| axis.key.as_str()).collect();
+    if let Some(index) = (1..keys.len()).find(|&index| keys[..index].contains(&keys[index])) {
+        return Err(RepeatedKey { key: keys[index].to_owned() }.into());
+    }
     let mut combinations = vec![Vec::new()];
     for axis in &args.vary {
         combinations = combinations
@@ -29,10 +35,8 @@ fn grid(args: &SweepArgs) -> Vec<Job> {
             .collect();
     }
     let seeds = &args.runs.seeds.0;
-    let job = |varied: &[Assignment], seed| Job {
-        cell: cell(varied),
-        task: args.task,
-        settings: SettingsArgs {
+    let job = |varied: &[Assignment], seed| -> anyhow::Result<Job> {
+        let asked = SettingsArgs {
             preset: args.preset,
             config: args.config.clone(),
             set: varied.to_vec(),
@@ -42,7 +46,9 @@ fn grid(args: &SweepArgs) -> Vec<Job> {
             until: args.until,
             engine: None,
             envs: None,
-        },
+        };
+        let settings = settings::resolve(args.task, &(&asked).into())?;
+        Ok(Job { cell: cell(varied), task: args.task, settings })
     };
     let of_seeds =
         |varied: &Vec<_>| seeds.iter().map(|&seed| job(varied, seed)).collect::<Vec<_>>();

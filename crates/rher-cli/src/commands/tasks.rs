@@ -1,8 +1,8 @@
 //! `rher tasks`: what can be learned.
 
-use super::{table, text};
 use crate::cli::TasksArgs;
 use crate::printer::Printer;
+use crate::tables::{table, text};
 use rher_core::goal::EncodedGoal;
 use rher_envs::{EnvVisitor, Simulated, Task};
 use serde::Serialize;

@@ -1,13 +1,14 @@
-//! `rher train`: a new run, or one that goes on.
+//! `rher train`: a new run, or one that is resumed.
 
-use super::{made_with, stop_on_interrupt, threads};
 use crate::cli::{SettingsArgs, TrainArgs};
-use crate::error::ForeignTask;
+use crate::errors::ForeignTask;
 use crate::exit_code::Status;
-use crate::observe::{EventFile, ProgressView, Recorder, Watch, duration, percent, thousands};
+use crate::host::{Stop, end_with_parent, threads};
+use crate::numbers::{duration, percent, thousands};
+use crate::observe::{EventFile, ProgressView, Recorder, Watch};
 use crate::printer::Printer;
-use crate::values::EngineName;
-use rher_core::config::TrainConfig;
+use crate::trained::made_with;
+use rher_core::config::{EngineKind, TrainConfig};
 use rher_core::event::{Metrics, Progress, Seconds};
 use rher_core::train::checkpoint;
 use rher_core::train::{Finish, Trainer};
@@ -20,10 +21,13 @@ use std::num::NonZeroU64;
 use std::path::Path;
 
 const STOPPING: &str =
-    "finishing the episode; Ctrl-C again leaves at once, back to the last checkpoint";
+    "finishing the episode and saving; Ctrl-C again exits at once, with the last checkpoint";
 
 pub(crate) fn train(args: &TrainArgs, printer: Printer) -> anyhow::Result<Status> {
-    let TrainArgs { task, settings, workers, out, resume, record_every, .. } = args;
+    let TrainArgs { task, settings, workers, out, resume, record_every, parent, .. } = args;
+    if parent.is_some_and(|parent| !end_with_parent(parent)) {
+        return Ok(Status::Terminated);
+    }
     let how = How {
         workers: threads(*workers),
         record_every: *record_every,
@@ -90,7 +94,7 @@ enum Start {
     Resumed {
         env_steps: Option<u64>,
         until: Option<f32>,
-        engine: Option<EngineName>,
+        engine: Option<EngineKind>,
     },
 }
 
@@ -110,7 +114,7 @@ impl EnvVisitor for Session {
             Start::Resumed { env_steps, until, engine } => {
                 let path = folder.path();
                 let mut trainer = match engine {
-                    Some(engine) => Trainer::resume_on(engine.into(), path, envs, workers)?,
+                    Some(engine) => Trainer::resume_on(engine, path, envs, workers)?,
                     None => Trainer::resume(path, envs, workers)?,
                 };
                 if let Some(env_steps) = env_steps {
@@ -178,8 +182,8 @@ fn run<const N: usize, E: Simulated<N>>(
     printer: Printer,
 ) -> anyhow::Result<Status> {
     printer.note(format_args!("run folder: {}", folder.path().display()));
-    let stop = stop_on_interrupt(watch.progress.teller(), STOPPING)?;
-    let finish = trainer.run(Some(folder.path()), &mut watch, &stop);
+    let stop = Stop::listen(watch.progress.teller(), STOPPING)?;
+    let finish = trainer.run(Some(folder.path()), &mut watch, stop.flag());
     watch.progress.finish();
     let recorded = watch.recorder.map(Recorder::finish).transpose();
     let finish = finish?;
@@ -196,7 +200,7 @@ fn run<const N: usize, E: Simulated<N>>(
     printer.note(summary(finish, trainer.progress(), watch.last.as_ref(), folder));
     Ok(match finish {
         Finish::Solved | Finish::StepsSpent => Status::Success,
-        Finish::Stopped => Status::Interrupted,
+        Finish::Stopped => stop.status(),
     })
 }
 
@@ -208,7 +212,7 @@ fn already_finished(finish: Finish, folder: &RunDir, progress: Progress) -> Stri
     };
     format!(
         "`{}` is finished: {end}, after {steps} steps\n\n\
-         hint: `--env-steps N` or `--until RATE` take it further",
+         hint: `--env-steps N` or `--until RATE` with a higher value continues it",
         folder.path().display()
     )
 }
@@ -232,7 +236,7 @@ fn summary(finish: Finish, progress: Progress, last: Option<&Metrics>, folder: &
     lines.push(format!("policy  {}", folder.policy().display()));
     if finish == Finish::Stopped {
         let path = folder.path().display();
-        lines.push(format!("`rher train --resume {path}` goes on"));
+        lines.push(format!("`rher train --resume {path}` continues the run"));
     }
     lines.join("\n")
 }

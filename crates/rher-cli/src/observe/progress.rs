@@ -1,11 +1,12 @@
 //! How far a run is: a bar where stderr is a terminal, and a line for every evaluation.
 
+use crate::numbers::{duration, percent, thousands};
 use crate::printer::{Printer, Verbosity};
 use indicatif::{ProgressBar, ProgressStyle};
 use rher_core::config::TrainConfig;
 use rher_core::event::{Metrics, Progress};
 use std::io::{self, IsTerminal as _};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 const TEMPLATE: &str = "{wide_bar} {percent:>3} %\n{wide_msg}";
 
@@ -99,39 +100,5 @@ impl ProgressView {
             duration(left),
             self.results,
         )
-    }
-}
-
-/// `1234567` as `1,234,567`.
-pub(crate) fn thousands(number: u64) -> String {
-    let digits = number.to_string();
-    let groups: Vec<&[u8]> = digits.as_bytes().rchunks(3).rev().collect();
-    String::from_utf8_lossy(&groups.join(&b',')).into_owned()
-}
-
-/// A share as `95 %`.
-pub(crate) fn percent(share: f64) -> String {
-    format!("{:.0} %", 100.0 * share)
-}
-
-/// Seconds as `42 s`, `3 min 05 s` or `2 h 07 min`.
-pub(crate) fn duration(seconds: f64) -> String {
-    let seconds = Duration::try_from_secs_f64(seconds).map_or(u64::MAX, |time| time.as_secs());
-    match seconds {
-        0..60 => format!("{seconds} s"),
-        60..3600 => format!("{} min {:02} s", seconds / 60, seconds % 60),
-        _ => format!("{} h {:02} min", seconds / 3600, seconds / 60 % 60),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_read_well() {
-        assert_eq!([0, 999, 1_000, 1_234_567].map(thousands), ["0", "999", "1,000", "1,234,567"]);
-        assert_eq!([0.4, 65.0, 7_620.0].map(duration), ["0 s", "1 min 05 s", "2 h 07 min"]);
-        assert_eq!(percent(0.954), "95 %");
     }
 }

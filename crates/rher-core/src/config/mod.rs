@@ -51,6 +51,14 @@ pub struct TrainConfig {
     pub evaluation: EvaluationConfig,
 }
 
+impl TrainConfig {
+    /// Whether a run has solved its task: both of the last two evaluations reached `until`, and
+    /// `until` is not 0.
+    pub fn is_solved(&self, last_two: [f32; 2]) -> bool {
+        self.until > 0.0 && last_two.into_iter().all(|rate| rate >= self.until)
+    }
+}
+
 /// Which method is trained.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -62,6 +70,9 @@ pub enum Method {
 }
 
 impl Method {
+    /// Every method, the default first.
+    pub const ALL: [Self; 2] = [Self::Rher, Self::Her];
+
     /// Name in files and on the command line.
     pub const fn name(self) -> &'static str {
         match self {

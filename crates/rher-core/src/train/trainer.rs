@@ -237,12 +237,11 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
 
     /// Whether and why the run is at its end.
     pub fn finished(&self) -> Option<Finish> {
-        let TrainConfig { until, env_steps, .. } = self.state.config;
-        let [before, last] = self.state.last_success;
-        if until > 0.0 && before >= until && last >= until {
+        let config = &self.state.config;
+        if config.is_solved(self.state.last_success) {
             Some(Finish::Solved)
         } else {
-            (self.state.env_steps >= env_steps).then_some(Finish::StepsSpent)
+            (self.state.env_steps >= config.env_steps).then_some(Finish::StepsSpent)
         }
     }
 

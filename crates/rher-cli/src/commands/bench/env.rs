@@ -1,9 +1,10 @@
 //! `rher bench env`: steps per CPU-second.
 
 use crate::cli::BenchEnvArgs;
-use crate::commands::{table, text, threads};
-use crate::observe::thousands;
+use crate::host::{this_program, threads};
+use crate::numbers::thousands;
 use crate::printer::Printer;
+use crate::tables::{table, text};
 use anyhow::Context as _;
 use rand::RngExt as _;
 use rher_core::env::Env;
@@ -148,7 +149,7 @@ fn together(task: Task) -> anyhow::Result<TogetherSpeed> {
 
 /// The sum of what this program reaches when it runs several times at once, each on one thread.
 fn in_processes(task: Task, processes: usize) -> anyhow::Result<f64> {
-    let program = std::env::current_exe()?;
+    let program = this_program()?;
     let start = |_| {
         Command::new(&program)
             .args(["bench", "env", "--one-thread", "--task", task.name()])

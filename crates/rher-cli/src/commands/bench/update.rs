@@ -2,9 +2,9 @@
 
 use super::flops::flops;
 use crate::cli::BenchUpdateArgs;
-use crate::commands::{table, text};
-use crate::observe::percent;
+use crate::numbers::percent;
 use crate::printer::Printer;
+use crate::tables::{table, text};
 use cpu_time::ProcessTime;
 use rand::RngExt as _;
 use rand_distr::StandardNormal;
@@ -51,7 +51,7 @@ struct UpdateSpeed {
 pub(crate) fn bench_update(args: &BenchUpdateArgs, printer: Printer) -> anyhow::Result<()> {
     let BenchUpdateArgs { batches, inputs, threads, engine, json } = args;
     let engines = match engine {
-        Some(engine) => vec![EngineKind::from(*engine)],
+        Some(engine) => vec![*engine],
         None => EngineKind::AVAILABLE.to_vec(),
     };
     let mut speeds = Vec::new();

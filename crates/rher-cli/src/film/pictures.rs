@@ -1,7 +1,7 @@
 //! Pictures of episodes for `rher play`: a GIF file of all of them, a PNG file of every step.
 
-use crate::animation::Animation;
-use crate::film::SIZE;
+use super::animation::Animation;
+use super::filmed::SIZE;
 use rher_core::files::{self, FileError};
 use rher_envs::render::{Camera, Image, Renderer};
 use rher_envs::thing::{Role, Thing};

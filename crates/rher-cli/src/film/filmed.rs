@@ -1,4 +1,4 @@
-//! Episodes as pictures.
+//! Environments whose steps are filmed.
 
 use rher_core::config::{EvaluationConfig, TestPolicy};
 use rher_core::env::{Env, EnvError, EnvSpec, Start};

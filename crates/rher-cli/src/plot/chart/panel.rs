@@ -1,6 +1,6 @@
 //! One pair of axes and the lines in it.
 
-use super::{Anchor, BLACK, GREY, Ink, LETTER, Mark, PALE};
+use super::marks::{Anchor, BLACK, GREY, Ink, LETTER, Mark, PALE};
 
 /// Lines over a common axis; upright is a share, from 0 to 1.
 #[derive(Clone, Debug)]

@@ -1,6 +1,7 @@
 //! Drawings as SVG, with the letters of whoever shows them.
 
-use super::{AREA_OPACITY, Anchor, DASH, Drawing, Ink, LETTER, Mark};
+use super::drawing::Drawing;
+use super::marks::{AREA_OPACITY, Anchor, DASH, Ink, LETTER, Mark};
 use std::fmt::Write as _;
 
 impl Drawing {

@@ -1,6 +1,6 @@
 //! From runs to curves: one value for each run at every time, their middle, and a band around it.
 
-use crate::statistics::interval;
+use super::statistics::interval;
 
 /// Success of one run over time, or of one sub-task of it.
 pub(crate) type Curve = Vec<(f64, f64)>;
@@ -43,7 +43,7 @@ fn value_at(curve: &Curve, time: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::statistics::mean;
+    use crate::plot::statistics::mean;
 
     #[test]
     fn a_run_that_ended_keeps_its_last_value() {

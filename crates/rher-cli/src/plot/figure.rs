@@ -1,11 +1,11 @@
 //! Learning curves: a row of panels for each task.
 
-use crate::chart::{Axis, Drawing, Ink, Line, Panel};
-use crate::cli::{Clock, Measure};
-use crate::curves::{Band, Curve, summarise};
-use crate::published;
-use crate::runs::{Evaluation, Group, Run};
-use crate::statistics::{interquartile_mean, mean};
+use super::chart::{Axis, Drawing, Ink, Line, Panel};
+use super::curves::{Band, Curve, summarise};
+use super::published;
+use super::statistics::{interquartile_mean, mean};
+use clap::ValueEnum;
+use rher_runs::{Evaluation, Group, Run};
 
 /// Colours that differ for every kind of colour vision, after Okabe and Ito.
 const INKS: [Ink; 6] = [
@@ -27,6 +27,24 @@ const SOLVED: f64 = 0.95;
 const TASK_WIDTH: f32 = 460.0;
 const SUBTASK_WIDTH: f32 = 250.0;
 const HEIGHT: f32 = 260.0;
+
+/// What curves are drawn against.
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
+pub(crate) enum Clock {
+    /// Environment steps of training
+    Steps,
+    /// Wall clock
+    Time,
+}
+
+/// What is shown of several runs.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum Measure {
+    /// The mean
+    Mean,
+    /// The interquartile mean
+    Iqm,
+}
 
 /// What curves show.
 #[derive(Clone, Copy, Debug)]

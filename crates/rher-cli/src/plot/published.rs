@@ -1,8 +1,8 @@
 //! The curves that the authors of the method published, to compare with.
 
-use crate::curves::Curve;
+use super::curves::Curve;
 
-const TEXT: &str = include_str!("../data/published.txt");
+const TEXT: &str = include_str!("../../data/published.txt");
 
 /// Environment steps between evaluations.
 const EVERY: f64 = 2500.0;

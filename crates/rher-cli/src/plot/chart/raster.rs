@@ -1,6 +1,7 @@
 //! Drawings as pixels, two for each of theirs, with letters that the program brings along.
 
-use super::{AREA_OPACITY, Anchor, DASH, Drawing, Ink, Mark};
+use super::drawing::Drawing;
+use super::marks::{AREA_OPACITY, Anchor, DASH, Ink, Mark};
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
 use rher_envs::render::Image;
 use tiny_skia::{

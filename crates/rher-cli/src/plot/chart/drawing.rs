@@ -1,66 +1,15 @@
-//! Line charts: panels of curves, laid out as lines, areas and words that two writers draw.
+//! Panels and a legend, laid out as marks.
 
-mod panel;
-mod raster;
-mod svg;
-
-pub(crate) use panel::{Axis, Line, Panel};
-pub(crate) use svg::escaped;
+use super::marks::{Anchor, BLACK, LETTER, LETTER_WIDTH, Mark};
+use super::panel::Panel;
 
 /// A flat picture; places are in pixels from the upper left.
 #[derive(Clone, Debug)]
 pub(crate) struct Drawing {
     pub(crate) width: f32,
     pub(crate) height: f32,
-    marks: Vec<Mark>,
+    pub(super) marks: Vec<Mark>,
 }
-
-/// Red, green and blue.
-pub(crate) type Ink = [u8; 3];
-
-const BLACK: Ink = [0x22, 0x22, 0x22];
-const GREY: Ink = [0x77, 0x77, 0x77];
-const PALE: Ink = [0xe4, 0xe4, 0xe4];
-
-#[derive(Clone, Debug)]
-enum Mark {
-    Stroke {
-        points: Vec<[f32; 2]>,
-        ink: Ink,
-        width: f32,
-        dashed: bool,
-    },
-    /// Closed, and seen through.
-    Area {
-        points: Vec<[f32; 2]>,
-        ink: Ink,
-    },
-    Words {
-        text: String,
-        place: [f32; 2],
-        anchor: Anchor,
-        ink: Ink,
-        bold: bool,
-    },
-}
-
-/// Which end of words is at their place; vertically it is their base line.
-#[derive(Clone, Copy, Debug)]
-enum Anchor {
-    Start,
-    Middle,
-    End,
-}
-
-/// Opacity of an area.
-const AREA_OPACITY: f32 = 0.18;
-
-/// Height of letters, in pixels, and how wide each is taken to be.
-const LETTER: f32 = 12.0;
-const LETTER_WIDTH: f32 = 7.2;
-
-/// On and off, in pixels.
-const DASH: [f32; 2] = [5.0, 4.0];
 
 /// Around and between panels, in pixels.
 const MARGIN: f32 = 12.0;

@@ -1,0 +1,97 @@
+//! Training, checkpoints and policies.
+
+use super::report::{Explain, Report};
+use crate::exit_code::Status;
+use rher_core::episode::RolloutError;
+use rher_core::evaluate::EvaluateError;
+use rher_core::files::{Access, FileError};
+use rher_core::policy::PolicyError;
+use rher_core::train::TrainError;
+use rher_core::train::checkpoint::CheckpointError;
+use std::io;
+
+impl Explain for TrainError {
+    fn report(&self) -> Option<Report> {
+        match self {
+            Self::Checkpoint(error) => error.report(),
+            Self::Rollout { source, .. } => source.report(),
+            Self::Evaluate { source, .. } => source.report(),
+            Self::NotFinite { .. } => Some(Report::new(
+                Status::NotFinite,
+                "the state before this update was saved; smaller values of \
+                 `agent.actor_learning_rate` and `agent.critic_learning_rate` help against \
+                 divergence",
+            )),
+            Self::Config(_) | Self::Engine(_) => Some(Report::plain(Status::Usage)),
+            _ => None,
+        }
+    }
+}
+
+impl Explain for EvaluateError {
+    fn report(&self) -> Option<Report> {
+        match self {
+            Self::Rollout(error) => error.report(),
+            _ => None,
+        }
+    }
+}
+
+impl Explain for RolloutError {
+    fn report(&self) -> Option<Report> {
+        Some(match self {
+            Self::NotFinite { .. } => Report::new(
+                Status::NotFinite,
+                "the environment is at fault, not the learner; the seed above repeats its episode",
+            ),
+            Self::Act { .. } => Report::plain(Status::NotFinite),
+            _ => Report::plain(Status::Environment),
+        })
+    }
+}
+
+impl Explain for CheckpointError {
+    fn report(&self) -> Option<Report> {
+        match self {
+            Self::Damaged { path, .. } => {
+                let hint = if path.extension().is_some_and(|extension| extension == "ckpt") {
+                    "nothing was changed; to resume from an earlier checkpoint, rename it to \
+                     `current.ckpt`; the policy file still works"
+                } else {
+                    "nothing was changed; the policy file still works"
+                };
+                Some(Report::new(Status::Damaged, hint))
+            }
+            Self::Version { .. } => Some(Report::new(
+                Status::Damaged,
+                "resume the run with the version of `rher` that made it; its policy still works",
+            )),
+            Self::Missing { .. } => {
+                Some(Report::new(Status::RunFolder, "`rher train <TASK> --out DIR` starts a run"))
+            }
+            Self::Policy(error) => error.report(),
+            Self::Mismatch { .. } => Some(Report::plain(Status::Damaged)),
+            Self::File(error) => error.report(),
+            _ => None,
+        }
+    }
+}
+
+impl Explain for PolicyError {
+    fn report(&self) -> Option<Report> {
+        match self {
+            Self::Malformed { .. } => Some(Report::new(
+                Status::Damaged,
+                "expected the file `policy.safetensors` of a run folder",
+            )),
+            Self::File(FileError { access: Access::Read, source, .. })
+                if source.kind() == io::ErrorKind::NotFound =>
+            {
+                let hint = "give a run folder that has a policy, or a policy file";
+                Some(Report::new(Status::RunFolder, hint))
+            }
+            Self::File(error) => error.report(),
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,64 @@
+//! Every error that a user can see, with its exit status and its hint.
+
+mod files;
+mod learner;
+mod program;
+mod recordings;
+mod report;
+mod runs;
+mod settings;
+
+pub(crate) use program::{ForeignTask, NoDatasetId, NotReal, RepeatedKey, SameRun};
+pub(crate) use report::Report;
+
+use crate::exit_code::Status;
+use crate::printer::StdoutError;
+use report::explain;
+use rher_core::evaluate::EvaluateError;
+use rher_core::event::ObserverError;
+use rher_core::files::FileError;
+use rher_core::policy::PolicyError;
+use rher_core::train::TrainError;
+use rher_core::train::checkpoint::CheckpointError;
+use rher_record::export::ExportError;
+use rher_record::{PlayError, ReadError};
+use rher_runs::{MetricsError, OtherSettings, RunDirError, RunError, SettingsError};
+use std::error::Error;
+
+/// The errors with a report.
+const KNOWN: &[fn(&(dyn Error + 'static)) -> Option<Report>] = &[
+    explain::<SettingsError>,
+    explain::<RunDirError>,
+    explain::<OtherSettings>,
+    explain::<MetricsError>,
+    explain::<RunError>,
+    explain::<TrainError>,
+    explain::<CheckpointError>,
+    explain::<PolicyError>,
+    explain::<EvaluateError>,
+    explain::<ReadError>,
+    explain::<PlayError>,
+    explain::<ExportError>,
+    #[cfg(feature = "live")]
+    explain::<rher_record::LiveError>,
+    explain::<FileError>,
+    explain::<StdoutError>,
+    explain::<ForeignTask>,
+    explain::<NoDatasetId>,
+    explain::<RepeatedKey>,
+    explain::<SameRun>,
+    explain::<NotReal>,
+];
+
+/// The report of whatever a command returned: that of the first cause that has one.
+pub(crate) fn report(error: &anyhow::Error) -> Report {
+    error.chain().find_map(of_cause).unwrap_or(Report::plain(Status::Failure))
+}
+
+fn of_cause(cause: &(dyn Error + 'static)) -> Option<Report> {
+    match cause.downcast_ref() {
+        // What watches a run may fail with any error.
+        Some(TrainError::Observer(ObserverError(cause))) => of_cause(cause.as_ref()),
+        _ => KNOWN.iter().find_map(|explain| explain(cause)),
+    }
+}

@@ -1,0 +1,89 @@
+//! Errors of this program itself.
+
+use super::report::{Explain, Report};
+use crate::exit_code::Status;
+use rher_record::verify::Difference;
+use std::path::PathBuf;
+
+/// A run, a policy or a recording is of a task that is not part of this program.
+#[derive(Debug, thiserror::Error)]
+#[error("it was made for task `{name}`, which is not part of this program")]
+pub(crate) struct ForeignTask {
+    pub(crate) name: String,
+}
+
+impl Explain for ForeignTask {
+    fn report(&self) -> Option<Report> {
+        Some(Report::new(Status::Usage, "`rher tasks` lists the tasks of this program"))
+    }
+}
+
+/// The format has no place for an identity.
+#[derive(Debug, thiserror::Error)]
+#[error("`--dataset-id` is for `--format minari`: a LeRobot dataset does not contain an identity")]
+pub(crate) struct NoDatasetId;
+
+impl Explain for NoDatasetId {
+    fn report(&self) -> Option<Report> {
+        Some(Report::plain(Status::Usage))
+    }
+}
+
+/// A setting is given by two `--set` of a sweep.
+#[derive(Debug, thiserror::Error)]
+#[error("`{key}` is given by more than one --set")]
+pub(crate) struct RepeatedKey {
+    pub(crate) key: String,
+}
+
+impl Explain for RepeatedKey {
+    fn report(&self) -> Option<Report> {
+        let hint = format!("give all of its values in one, as in `--set {}=1,2`", self.key);
+        Some(Report::new(Status::Usage, hint))
+    }
+}
+
+/// Two combinations of a sweep are the same run.
+#[derive(Debug, thiserror::Error)]
+#[error("two combinations have the same settings: `{first}` and `{second}`")]
+pub(crate) struct SameRun {
+    pub(crate) first: String,
+    pub(crate) second: String,
+}
+
+impl Explain for SameRun {
+    fn report(&self) -> Option<Report> {
+        Some(Report::new(Status::Usage, "give every value and every seed once"))
+    }
+}
+
+/// A recording does not reproduce.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "`{}` does not reproduce: in episode {}, step {}, `{}` is {} in the recording, but {} when \
+     the episode is simulated again",
+    path.display(),
+    difference.episode,
+    difference.step,
+    difference.field,
+    difference.recorded,
+    difference.simulated
+)]
+pub(crate) struct NotReal {
+    pub(crate) path: PathBuf,
+    pub(crate) difference: Difference,
+    /// The program and the physics that made the recording, where their versions differ from ours.
+    pub(crate) made_by: Option<String>,
+}
+
+impl Explain for NotReal {
+    fn report(&self) -> Option<Report> {
+        let hint = match &self.made_by {
+            Some(made_by) => format!(
+                "it was recorded by {made_by}, whose physics may differ: verify it with that version"
+            ),
+            None => "the recording was changed, or it was made by a changed program".to_owned(),
+        };
+        Some(Report::new(Status::NotReal, hint))
+    }
+}

@@ -1,0 +1,63 @@
+//! Folders of runs, and what lies in them.
+
+use super::report::{Explain, Report};
+use crate::exit_code::Status;
+use rher_runs::{MetricsError, OtherSettings, RunDirError, RunError};
+
+impl Explain for RunDirError {
+    fn report(&self) -> Option<Report> {
+        let hint = match self {
+            Self::InUse { .. } => {
+                "wait until that process ends, or choose another folder with --out".to_owned()
+            }
+            Self::Exists { path } => format!(
+                "`rher train --resume {}` continues it; `--out DIR` starts a run elsewhere",
+                path.display()
+            ),
+            Self::NoRun { .. } => "`rher train <TASK> --out DIR` starts a run".to_owned(),
+            Self::File(error) => return error.report(),
+            Self::Settings(error) => return error.report(),
+        };
+        Some(Report::new(Status::RunFolder, hint))
+    }
+}
+
+impl Explain for OtherSettings {
+    fn report(&self) -> Option<Report> {
+        Some(Report::new(
+            Status::RunFolder,
+            "choose another folder with --out, or give the settings of the runs that are there",
+        ))
+    }
+}
+
+impl Explain for MetricsError {
+    fn report(&self) -> Option<Report> {
+        match self {
+            Self::TooShort { .. } => Some(Report::new(
+                Status::Damaged,
+                "restore the file, or start a new run with --out",
+            )),
+            Self::File(error) => error.report(),
+        }
+    }
+}
+
+impl Explain for RunError {
+    fn report(&self) -> Option<Report> {
+        let (status, hint) = match self {
+            Self::Missing { .. } => (
+                Status::RunFolder,
+                "give a folder that `rher train` made: it has `config.toml` and `metrics.jsonl`",
+            ),
+            Self::NoMetrics { .. } => {
+                (Status::RunFolder, "wait for its first evaluation, or leave this run out")
+            }
+            Self::Metrics { .. } | Self::Settings { .. } => {
+                (Status::Damaged, "restore the file, or leave this run out")
+            }
+            Self::File(_) => (Status::RunFolder, "check that you may read the file"),
+        };
+        Some(Report::new(status, hint))
+    }
+}

@@ -1,0 +1,111 @@
+//! What the operating system gives: threads, signals that ask the program to end, its own file.
+
+use crate::exit_code::Status;
+use anyhow::Context as _;
+use rustix::process::{Pid, getppid};
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+use signal_hook::iterator::Signals;
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
+use std::thread;
+use std::time::Duration;
+
+/// How long a program that was asked to end by SIGTERM or SIGHUP may take: whoever sends them kills
+/// it soon after.
+const GRACE: Duration = Duration::from_secs(4);
+
+/// As many threads as were asked for, or as there are cores.
+pub(crate) fn threads(asked: Option<NonZeroUsize>) -> usize {
+    let cores = || thread::available_parallelism().map_or(1, NonZeroUsize::get);
+    asked.map_or_else(cores, NonZeroUsize::get)
+}
+
+/// The file of this program, to start it again; on Linux the one that is running, even if another
+/// one has taken its place.
+pub(crate) fn this_program() -> anyhow::Result<PathBuf> {
+    if cfg!(target_os = "linux") {
+        return Ok("/proc/self/exe".into());
+    }
+    std::env::current_exe().context("cannot find this program's own file")
+}
+
+/// Asks the system to end this process by SIGTERM when the process `parent` ends; whether `parent`
+/// still runs.
+pub(crate) fn end_with_parent(parent: u32) -> bool {
+    // Where it fails, as in a sandbox, the parent can still pass signals on.
+    #[cfg(target_os = "linux")]
+    let _ = rustix::process::set_parent_process_death_signal(Some(rustix::process::Signal::TERM));
+    getppid().map(Pid::as_raw_pid).is_some_and(|pid| u32::try_from(pid) == Ok(parent))
+}
+
+/// Calls `act` in a thread of its own for every signal that asks the program to end.
+///
+/// A signal that is ignored stays ignored: `nohup` ignores SIGHUP, and shells ignore SIGINT for the
+/// background jobs of scripts.
+pub(crate) fn on_signals(mut act: impl FnMut(i32) + Send + 'static) -> anyhow::Result<()> {
+    const CANNOT: &str = "cannot listen to signals";
+    let ignored = ignored();
+    let heard = [SIGHUP, SIGINT, SIGTERM].into_iter();
+    let heard = heard.filter(|signal| ignored >> (signal - 1) & 1 == 0);
+    let mut signals = Signals::new(heard).context(CANNOT)?;
+    let listen = move || signals.forever().for_each(&mut act);
+    thread::Builder::new().name("signals".to_owned()).spawn(listen).context(CANNOT)?;
+    Ok(())
+}
+
+/// The signals that are ignored, as Linux reports them: bit 0 is signal 1.
+fn ignored() -> u64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).unwrap_or(0)
+}
+
+/// Whether the program was asked to end, and by which signal.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Stop {
+    is_asked: Arc<AtomicBool>,
+    signal: Arc<AtomicI32>,
+}
+
+impl Stop {
+    /// Listens to signals. At the first one `announce` gets `line`, which says what is done now;
+    /// the second one ends the program at once.
+    pub(crate) fn listen(
+        announce: impl Fn(&str) + Send + 'static,
+        line: &'static str,
+    ) -> anyhow::Result<Self> {
+        let stop = Self::default();
+        let Self { is_asked, signal: first } = stop.clone();
+        on_signals(move |signal| {
+            let status = Status::of_signal(signal) as i32;
+            first.store(signal, Ordering::Relaxed);
+            if is_asked.swap(true, Ordering::Relaxed) {
+                std::process::exit(status);
+            }
+            announce(line);
+            if signal != SIGINT {
+                thread::spawn(move || {
+                    thread::sleep(GRACE);
+                    std::process::exit(status);
+                });
+            }
+        })?;
+        Ok(stop)
+    }
+
+    /// Set when the program should end.
+    pub(crate) fn flag(&self) -> &AtomicBool {
+        &self.is_asked
+    }
+
+    pub(crate) fn is_asked(&self) -> bool {
+        self.is_asked.load(Ordering::Relaxed)
+    }
+
+    /// The exit status of a program that ended because it was asked to.
+    pub(crate) fn status(&self) -> Status {
+        Status::of_signal(self.signal.load(Ordering::Relaxed))
+    }
+}

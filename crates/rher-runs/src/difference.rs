@@ -1,0 +1,60 @@
+//! Whether a run that is there is the run that is asked for.
+
+use crate::settings::{self, Settings, SettingsError};
+use std::path::PathBuf;
+use toml::{Table, Value};
+
+/// A run has other settings than those that it is asked for with.
+#[derive(Debug, thiserror::Error)]
+#[error("the run in `{}` has `{key}` = {found}, but {asked} is asked for", folder.display())]
+pub struct OtherSettings {
+    /// Folder of the run.
+    pub folder: PathBuf,
+    /// Dotted.
+    pub key: String,
+    /// Value in the run.
+    pub found: String,
+    /// Value that is asked for.
+    pub asked: String,
+}
+
+/// The first setting, in the order of their keys, whose value in `found` is not the one in `asked`:
+/// its key and both values. `env_steps` and `until`, which only say when a run ends, may differ.
+///
+/// # Errors
+///
+/// If one of them cannot be written as TOML.
+pub fn difference(
+    found: &Settings,
+    asked: &Settings,
+) -> Result<Option<(String, String, String)>, SettingsError> {
+    let [found, asked] = [flat(found)?, flat(asked)?];
+    let value = |list: &[(String, String)], key: &str| {
+        let entry = list.iter().find(|(known, _)| known == key);
+        entry.map_or_else(|| "nothing".to_owned(), |(_, value)| value.clone())
+    };
+    let mut keys: Vec<&String> = found.iter().chain(&asked).map(|(key, _)| key).collect();
+    keys.sort();
+    let differs = keys.into_iter().find(|key| value(&found, key) != value(&asked, key));
+    Ok(differs.map(|key| (key.clone(), value(&found, key), value(&asked, key))))
+}
+
+/// Every setting but those of the end, with its dotted key and its value as TOML.
+fn flat(settings: &Settings) -> Result<Vec<(String, String)>, SettingsError> {
+    let text = settings::to_toml(settings)?;
+    let table: Table = text.parse().expect("TOML that was just written can be read");
+    let mut entries = Vec::new();
+    flatten("", table, &mut entries);
+    entries.retain(|(key, _)| key != "env_steps" && key != "until");
+    Ok(entries)
+}
+
+fn flatten(prefix: &str, table: Table, entries: &mut Vec<(String, String)>) {
+    for (name, value) in table {
+        let key = format!("{prefix}{name}");
+        match value {
+            Value::Table(table) => flatten(&format!("{key}."), table, entries),
+            value => entries.push((key, value.to_string())),
+        }
+    }
+}
