@@ -1,5 +1,6 @@
 //! How often a row is what: counts of what was drawn with one seed, beside what is expected.
 
+use crate::fixed::fixed;
 use insta::assert_snapshot;
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
@@ -180,6 +181,59 @@ fn permutations_are_drawn_evenly_of_those_that_bring_an_earlier_object() {
         assert_eq!(count(0.0, object), [ROWS, 0, 0, 0, 0, 0]);
     }
     assert_eq!(count(1.0, 1)[0], 0, "a share of 1 leaves nothing as it was");
+}
+
+/// A share ends below its number: one that is 0 is never drawn, and 0.5 is not below 0.5.
+#[test]
+fn shares_end_where_they_should() {
+    let relabeler = |hindsight| {
+        let relay = RelayConfig { hindsight, ..relay(1) };
+        Relabeler::new(&relay, &EnvSpec::<1>::new("draws", 1, 1, STEPS))
+    };
+    let episode = numbered::<1>(STEPS, 1);
+    let goal = |hindsight, share| {
+        let (achieved, desired) = (&episode.achieved, &episode.desired);
+        relabeler(hindsight).goal(Stage::place(0), achieved, desired, 0, &mut fixed(share))
+    };
+    let of_task = EncodedGoal::new(Stage::place(0), &episode.achieved[0], &episode.desired);
+    assert_eq!([goal(0.0, 0.0), goal(0.5, 0.5)], [of_task; 2]);
+    assert_ne!(goal(0.5, 0.5 - 1e-6), of_task);
+
+    let flip = SignedIndex { from: 0, sign: -1.0, offset: 0.0 };
+    let same = SignedIndex { sign: 1.0, ..flip };
+    let mirror = Mirror { axis: 0, centre: 0.0, observation: vec![same], action: vec![flip] };
+    let spec = EnvSpec::<1> { mirrors: vec![mirror], ..EnvSpec::new("draws", 1, 1, STEPS) };
+    let relay = RelayConfig { mirror: 0.5, hindsight: 0.0, ..relay(1) };
+    let encoder = InputEncoder::new(&relay, &spec);
+    let mut replay = Replay::new(&spec, STEPS);
+    replay.push(&episode);
+    let action = |share| {
+        let mut batch = Batch::zeros(1, encoder.width(), 1);
+        let rng = &mut fixed(share);
+        Relabeler::new(&relay, &spec).draw(&replay, &encoder, Stage::FIRST, &mut batch, 0..1, rng);
+        batch.actions[0]
+    };
+    assert_eq!([action(0.5), action(0.5 - 1e-6)], [1.0, -1.0]);
+}
+
+/// Without permutations a batch is the same whether the environment has some or none.
+#[test]
+fn a_share_of_no_permutations_draws_nothing() {
+    let same = |from| SignedIndex { from, sign: 1.0, offset: 0.0 };
+    let permutation = Permutation { order: [1, 0], observation: vec![same(1), same(0)] };
+    let relay = RelayConfig { exchange: 0.0, ..relay(2) };
+    let draw = |permutations| {
+        let spec = EnvSpec::<2> { permutations, ..EnvSpec::new("draws", 2, 1, STEPS) };
+        let encoder = InputEncoder::new(&relay, &spec);
+        let mut replay = Replay::new(&spec, STEPS);
+        replay.push(&numbered::<2>(STEPS, 2));
+        let mut batch = Batch::zeros(20, encoder.width(), 1);
+        let rng = &mut ChaCha8Rng::seed_from_u64(0);
+        let stage = Stage::place(1);
+        Relabeler::new(&relay, &spec).draw(&replay, &encoder, stage, &mut batch, 0..20, rng);
+        batch
+    };
+    assert_eq!(draw(vec![permutation]), draw(Vec::new()));
 }
 
 /// The normalizer sees every step once, with a goal of every sub-task: what the task asked for, or

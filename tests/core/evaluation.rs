@@ -24,6 +24,7 @@ use std::fmt::Write as _;
 /// | `-`    | where it started                             |
 /// | `m`    | moved by 2 cm from where it started          |
 /// | `n`    | moved by 8 mm from where it started          |
+/// | `b`    | moved by 1 cm, the boundary                  |
 /// | `1`    | the gripper is at object 1, and so on        |
 /// | `0`    | the gripper is at no object                  |
 #[derive(Clone)]
@@ -46,6 +47,7 @@ fn frame(letters: &str) -> Achieved<3> {
             b'o' => 0.96,
             b'm' => 0.02,
             b'n' => 0.008,
+            b'b' => 0.01,
             b'-' => 0.0,
             other => panic!("{other} is no letter of a frame"),
         };
@@ -182,6 +184,7 @@ fn an_object_that_was_moved_was_reached() {
     let scripts = [
         "---0 m--0",
         "---0 n--0",
+        "---0 b--0",
         "---0 -m-0",
         "x--0 xm-0",
         "o--0 om-0",
@@ -196,6 +199,7 @@ fn an_object_that_was_moved_was_reached() {
     assert_snapshot!(table(&scripts), @r"
     ---0 m--0                  yes   -   -   -   -   -
     ---0 n--0                    -   -   -   -   -   -
+    ---0 b--0                    -   -   -   -   -   -
     ---0 -m-0                    -   -   -   -   -   -
     x--0 xm-0                    - yes yes   -   -   -
     o--0 om-0                    - yes yes   -   -   -

@@ -1,41 +1,13 @@
 //! Who acts in training, as tables that a person can check against eq. 10.
 
+use crate::fixed::fixed;
 use insta::assert_snapshot;
-use rand::{SeedableRng as _, TryRng};
+use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use rher_core::config::{Method, Preset, TrainConfig, TrainPolicy};
 use rher_core::explore::{ActionSource, Curriculum, Explorer, Selection};
 use rher_core::goal::Stage;
-use std::convert::Infallible;
 use std::fmt::Write as _;
-
-/// A generator whose every draw is the same share of the whole, and how often it was asked.
-struct Fixed {
-    share: f64,
-    draws: usize,
-}
-
-impl TryRng for Fixed {
-    type Error = Infallible;
-
-    fn try_next_u32(&mut self) -> Result<u32, Infallible> {
-        self.draws += 1;
-        Ok((self.share * 2_f64.powi(32)) as u32)
-    }
-
-    fn try_next_u64(&mut self) -> Result<u64, Infallible> {
-        self.draws += 1;
-        Ok((self.share * 2_f64.powi(64)) as u64)
-    }
-
-    fn try_fill_bytes(&mut self, bytes: &mut [u8]) -> Result<(), Infallible> {
-        unreachable!("nobody draws {} bytes", bytes.len())
-    }
-}
-
-fn fixed(share: f64) -> Fixed {
-    Fixed { share, draws: 0 }
-}
 
 /// Two objects, four sub-tasks; α is 0.4 and β is 0.2.
 fn config() -> TrainConfig {

@@ -14,6 +14,7 @@ mod environments;
 #[cfg(feature = "train")]
 mod evaluation;
 mod exploration;
+mod fixed;
 mod goals;
 #[cfg(feature = "train")]
 mod policies;
