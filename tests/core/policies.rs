@@ -1,10 +1,14 @@
 //! Policy files.
 
 use crate::toy::{Lines, Magnet, small};
-use rher_core::env::{Env as _, EnvSpec};
+use rher_core::config::Preset;
+use rher_core::env::{Env as _, EnvSpec, Permutation, SignedIndex};
 use rher_core::episode::{ActError, rollout};
 use rher_core::goal::{Achieved, Desired, Position, Scene};
-use rher_core::policy::{Policy, PolicyError};
+use rher_core::input::InputEncoder;
+use rher_core::learner::state::LearnerState;
+use rher_core::policy::{Policy, PolicyError, PolicyInfo};
+use rher_core::seed::{Purpose, Seed};
 use rher_core::train::Trainer;
 use std::sync::atomic::AtomicBool;
 
@@ -132,4 +136,53 @@ fn an_actor_refuses_what_is_not_finite_or_of_another_length() {
     assert!(said(act(&[0.0; 4], &lost, &desired, 3)).contains("number 4 of `achieved` is inf"));
     let nowhere = Desired::of_task([Position::new(0.0, f32::NAN, 0.0)]);
     assert!(said(act(&[0.0; 4], &scene, &nowhere, 3)).contains("number 1 of `desired` is NaN"));
+}
+
+/// A policy of two objects that are alike, in order of turn; it was never trained.
+fn of_two() -> Policy {
+    let same = |from| SignedIndex { from, sign: 1.0, offset: 0.0 };
+    let permutation = Permutation { order: [1, 0], observation: vec![same(1), same(0)] };
+    let spec = EnvSpec::<2> { permutations: vec![permutation], ..EnvSpec::new("two", 2, 1, 5) };
+    let config = Preset::Fast.config("two", 2);
+    let encoder = InputEncoder::new(&config.relay, &spec);
+    let mut rng = Seed(1).stream(Purpose::Init, 0);
+    let learner = LearnerState::new(&config.agent, encoder.width(), 1, &mut rng);
+    let info = PolicyInfo {
+        task: spec.name.clone(),
+        variant: String::new(),
+        objects: 2,
+        subtasks: 4,
+        untrained: 0,
+        obs_dim: 2,
+        action_dim: 1,
+        reach_distance: 0.03,
+    };
+    Policy::new(info, encoder, learner.actor.shape, learner.actor.online)
+}
+
+/// What a file says of the order of objects is not trusted either: it would index an observation.
+#[test]
+fn an_order_of_objects_that_does_not_fit_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("policy.safetensors");
+    let policy = of_two();
+    policy.save(&path).unwrap();
+    assert_eq!(Policy::load(&path).unwrap(), policy);
+    let whole = std::fs::read(&path).unwrap();
+    // The description is JSON within JSON; spaces keep its length.
+    let second = r#"{\"from\":1,\"sign\":1.0,\"offset\":0.0}"#;
+    for (text, other) in [
+        (second.to_owned(), second.replace("1,", "2,")),
+        (second.to_owned(), second.replace("1,", "9,")),
+        (format!(",{second}"), String::new()),
+        (r"[0.05,0.05]".to_owned(), "[0.05]".to_owned()),
+    ] {
+        let at = whole.windows(text.len()).position(|bytes| bytes == text.as_bytes()).unwrap();
+        let mut file = whole.clone();
+        let padded = format!("{other:width$}", width = text.len());
+        file[at..at + text.len()].copy_from_slice(padded.as_bytes());
+        std::fs::write(&path, file).unwrap();
+        let error = Policy::load(&path).unwrap_err().to_string();
+        assert!(error.contains("the order of its objects does not fit"), "{text}: {error}");
+    }
 }

@@ -288,6 +288,28 @@ proptest! {
     }
 }
 
+/// An object that is as far from its target as its tolerance allows is in its place: the turn goes
+/// to the next.
+#[test]
+fn at_its_tolerance_an_object_is_in_its_place() {
+    let spec = spec(Vec::new(), vec![exchange()]);
+    let relay = Preset::Fast.config("law", 2).relay;
+    assert_eq!(relay.object_order, ObjectOrder::Turn);
+    let encoder = InputEncoder::new(&relay, &spec);
+    let origin = Position::origin();
+    let desired = Desired::of_task([origin, Position::new(0.0, 1.0, 0.0)]);
+    let first_number = |apart: f32| {
+        let objects = [Position::new(apart, 0.0, 0.0), origin];
+        let now = Achieved(Scene { gripper: origin, objects });
+        let goal = EncodedGoal::new(Stage::place(1), &now, &desired);
+        let mut row = vec![0.0; encoder.width()];
+        encoder.write(&[0.25, 0.75], &now, &goal, &mut row);
+        row[0]
+    };
+    // Exchanged, the second number comes first, with the other sign.
+    assert_eq!([first_number(0.05), first_number(0.051)], [-0.75, 0.25]);
+}
+
 /// The first object ends 4 cm beside its target, where 5 cm are allowed.
 #[test]
 fn training_can_ask_for_more_than_the_task() {

@@ -5,6 +5,7 @@ use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use rher_core::env::Env as _;
 use rher_core::episode::{Episode, rollout};
+use rher_core::goal::Achieved;
 use rher_core::replay::{Replay, StepIndex};
 use std::convert::Infallible;
 
@@ -64,7 +65,8 @@ fn a_restored_replay_is_drawn_from_alike() {
 
 #[test]
 fn a_place_that_is_not_a_number_is_named() {
-    struct Broken(Magnet<1>);
+    /// Breaks what it is given at the first step.
+    struct Broken(Magnet<1>, fn(&mut [f32], &mut Achieved<1>));
     impl rher_core::env::Env<1> for Broken {
         fn spec(&self) -> &rher_core::env::EnvSpec<1> {
             self.0.spec()
@@ -80,16 +82,24 @@ fn a_place_that_is_not_a_number_is_named() {
             &mut self,
             action: &[f32],
             observation: &mut [f32],
-        ) -> Result<rher_core::goal::Achieved<1>, rher_core::env::EnvError> {
-            let achieved = self.0.step(action, observation);
-            observation[3] = f32::NAN;
-            achieved
+        ) -> Result<Achieved<1>, rher_core::env::EnvError> {
+            let mut achieved = self.0.step(action, observation)?;
+            self.1(observation, &mut achieved);
+            Ok(achieved)
         }
     }
-    let error = rollout(&mut Broken(Magnet::new()), 7, |_, _| Ok(())).unwrap_err();
+    let error = |broken: fn(&mut [f32], &mut Achieved<1>)| {
+        let mut env = Broken(Magnet::new(), broken);
+        rollout(&mut env, 7, |_, _| Ok(())).unwrap_err().to_string()
+    };
     assert_eq!(
-        error.to_string(),
+        error(|observation, _| observation[3] = f32::NAN),
         "the environment returned NaN in observation[3] at step 1 of the episode with seed 7, \
          expected finite numbers"
+    );
+    assert_eq!(
+        error(|_, achieved| achieved.0.objects[0].y = f32::INFINITY),
+        "the environment returned inf in the position of object 1 at step 1 of the episode with \
+         seed 7, expected finite numbers"
     );
 }
