@@ -362,7 +362,7 @@ fn a_full_disk_has_its_own_exit_status() {
         );
         let ran = shell(&rher, &script);
         assert_eq!(ran.status, Some(7), "{command}: {ran}");
-        assert!(ran.stderr.contains("make room, and repeat the command"), "{command}: {ran}");
+        assert!(ran.stderr.contains("free some space, and repeat the command"), "{command}: {ran}");
         assert_eq!(ran.stdout.trim(), "0", "{command} left something behind");
     }
 }
