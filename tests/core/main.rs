@@ -17,6 +17,8 @@ mod exploration;
 mod fixed;
 mod goals;
 #[cfg(feature = "train")]
+mod memory;
+#[cfg(feature = "train")]
 mod policies;
 mod relabelling;
 mod replays;

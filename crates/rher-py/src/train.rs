@@ -452,6 +452,7 @@ fn from_train(error: &CoreTrainError, raised: Option<PyErr>) -> PyErr {
             told
         }
         CoreTrainError::Config(_)
+        | CoreTrainError::Memory(_)
         | CoreTrainError::Engine(_)
         | CoreTrainError::Spec(_)
         | CoreTrainError::OtherObjects { .. }

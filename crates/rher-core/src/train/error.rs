@@ -1,6 +1,7 @@
 //! How a run ends, and why it could not go on.
 
 use super::checkpoint::CheckpointError;
+use super::memory::MemoryError;
 use crate::config::ConfigError;
 use crate::env::SpecError;
 use crate::episode::RolloutError;
@@ -27,6 +28,9 @@ pub enum TrainError {
     /// A setting is outside its range.
     #[error(transparent)]
     Config(#[from] ConfigError),
+    /// The run needs more memory than there is.
+    #[error(transparent)]
+    Memory(#[from] MemoryError),
     /// The settings name an engine that is not part of this build.
     #[error(transparent)]
     Engine(#[from] MissingEngine),

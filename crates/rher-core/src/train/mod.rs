@@ -2,6 +2,7 @@
 
 pub mod checkpoint;
 mod error;
+pub mod memory;
 mod play;
 mod rows;
 mod state;

@@ -2,6 +2,7 @@
 
 use super::checkpoint::{self, CheckpointError};
 use super::error::{Finish, TrainError};
+use super::memory;
 use super::play::{Played, explore_once};
 use super::rows::SubtaskBatch;
 use super::state::RunState;
@@ -81,6 +82,7 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
         config.validate()?;
         check_envs(&envs, &config)?;
         let spec = envs[0].spec();
+        memory::check(&config, spec)?;
         let info = PolicyInfo {
             task: spec.name.clone(),
             variant: spec.variant.clone(),
@@ -145,7 +147,9 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
         workers: usize,
     ) -> Result<Self, TrainError> {
         check_envs(&envs, &state.config)?;
-        let replay = checkpoint::read_replay(folder, &state, envs[0].spec())?;
+        let spec = envs[0].spec();
+        memory::check(&state.config, spec)?;
+        let replay = checkpoint::read_replay(folder, &state, spec)?;
         Self::assemble(state, learner, replay, envs, workers)
     }
 
