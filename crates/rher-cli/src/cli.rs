@@ -4,8 +4,8 @@ use crate::exit_code::Status;
 use crate::plot::{Clock, Measure};
 use crate::printer::Verbosity;
 use crate::values::{
-    Assignment, Axis, ExperimentName, Seeds, engine, method, picture, preset, rate, recording,
-    task, toml_integer,
+    Assignment, AssignmentOrHelp, Axis, ExperimentName, Seeds, engine, episodes, method, picture,
+    preset, rate, recording, task, toml_integer, workers,
 };
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use rher_core::config::{EngineKind, Method, Preset};
@@ -97,7 +97,7 @@ pub(crate) struct TrainArgs {
     pub(crate) settings: SettingsArgs,
 
     /// Number of threads, which never changes the result [default: one for each core]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = workers)]
     pub(crate) workers: Option<NonZeroUsize>,
 
     /// Run folder to create; by default `runs/<TASK>-<METHOD>-<PRESET>-<SEED>`
@@ -251,8 +251,8 @@ pub(crate) struct SettingsArgs {
     #[arg(long, value_name = "FILE")]
     pub(crate) config: Option<PathBuf>,
 
-    /// A setting to change, as in `--set agent.discount=0.98`; may be repeated
-    #[arg(long, value_name = "KEY=VALUE")]
+    /// A setting to change, as in `--set agent.discount=0.98`; may be repeated; `--set help` lists them
+    #[arg(long, value_name = "KEY=VALUE", value_parser = AssignmentOrHelp)]
     pub(crate) set: Vec<Assignment>,
 
     /// Training method [default: rher]
@@ -292,7 +292,7 @@ pub(crate) struct EvalArgs {
     pub(crate) path: PathBuf,
 
     /// Number of episodes for each sub-task
-    #[arg(long, value_name = "N", default_value = "100")]
+    #[arg(long, value_name = "N", default_value = "100", value_parser = episodes)]
     pub(crate) episodes: NonZeroUsize,
 
     /// Seed of the evaluation episodes; training evaluates on those of seed 0
@@ -300,7 +300,7 @@ pub(crate) struct EvalArgs {
     pub(crate) seed: u64,
 
     /// Number of threads, which never changes the result [default: one for each core]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = workers)]
     pub(crate) workers: Option<NonZeroUsize>,
 
     /// Print JSON: one object
@@ -482,11 +482,16 @@ pub(crate) struct ReportArgs {
 #[command(after_long_help = "\
 Examples:
   rher config push > run.toml              every setting, ready to be changed
+  rher config push --explain               the same, with everything about each setting
   rher train push --config run.toml")]
 pub(crate) struct ConfigArgs {
     /// Task to learn; `rher tasks` lists the tasks
     #[arg(value_parser = task())]
     pub(crate) task: Task,
+
+    /// Explain every setting: what it does, its values and its range
+    #[arg(long)]
+    pub(crate) explain: bool,
 
     #[command(flatten)]
     pub(crate) settings: SettingsArgs,

@@ -3,10 +3,12 @@
 use clap::ValueEnum;
 use clap::builder::{
     PathBufValueParser, PossibleValue, PossibleValuesParser, RangedU64ValueParser,
-    TypedValueParser, ValueParser,
+    StringValueParser, TypedValueParser, ValueParser,
 };
 use rher_core::config::{EngineKind, Method, Preset};
 use rher_envs::Task;
+use std::ffi::OsStr;
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::str::FromStr;
 
@@ -57,6 +59,28 @@ impl FromStr for Assignment {
         let (key, value) =
             text.split_once('=').ok_or("expected KEY=VALUE, as in `--set agent.discount=0.98`")?;
         Ok(Self { key: key.trim().to_owned(), value: toml_value(value.trim())? })
+    }
+}
+
+/// Reads an [`Assignment`]; `help` prints the list of settings instead.
+#[derive(Clone)]
+pub(crate) struct AssignmentOrHelp;
+
+impl TypedValueParser for AssignmentOrHelp {
+    type Value = Assignment;
+
+    fn parse_ref(
+        &self,
+        command: &clap::Command,
+        arg: Option<&clap::Arg>,
+        value: &OsStr,
+    ) -> Result<Assignment, clap::Error> {
+        if value == "help" {
+            let list = rher_runs::settings::list();
+            return Err(clap::Error::raw(clap::error::ErrorKind::DisplayHelp, list));
+        }
+        let parser = StringValueParser::new().try_map(|text| text.parse::<Assignment>());
+        parser.parse_ref(command, arg, value)
     }
 }
 
@@ -118,7 +142,7 @@ fn toml_value(text: &str) -> Result<toml::Value, String> {
 }
 
 pub(crate) fn preset() -> ValueParser {
-    named(&Preset::ALL, Preset::name, |preset| match preset {
+    named(Preset::ALL, Preset::name, |preset| match preset {
         Preset::Fast => "Reaches the success rate in the shortest time on your machine",
         Preset::SampleEfficient => "Reaches the success rate in the fewest environment steps",
         Preset::Paper => "The published settings",
@@ -126,7 +150,7 @@ pub(crate) fn preset() -> ValueParser {
 }
 
 pub(crate) fn method() -> ValueParser {
-    named(&Method::ALL, Method::name, |method| match method {
+    named(Method::ALL, Method::name, |method| match method {
         Method::Rher => "Relay hindsight: all sub-tasks, with guided exploration",
         Method::Her => "Plain hindsight: the last sub-task alone, without a guide",
     })
@@ -176,6 +200,21 @@ pub(crate) fn picture(name: &str) -> Result<PathBuf, String> {
         Some("svg" | "png") => Ok(path),
         _ => Err("expected a name that ends in .svg or .png".to_owned()),
     }
+}
+
+/// Numbers of threads.
+pub(crate) fn workers(text: &str) -> Result<NonZeroUsize, String> {
+    count(text, 1024)
+}
+
+/// Numbers of evaluation episodes.
+pub(crate) fn episodes(text: &str) -> Result<NonZeroUsize, String> {
+    count(text, 1_000_000)
+}
+
+fn count(text: &str, most: usize) -> Result<NonZeroUsize, String> {
+    let count = text.parse().ok().filter(|count: &NonZeroUsize| count.get() <= most);
+    count.ok_or_else(|| format!("expected a whole number from 1 to {most}"))
 }
 
 pub(crate) fn rate(text: &str) -> Result<f32, String> {

@@ -192,6 +192,7 @@
 
 #[doc(hidden)]
 pub mod batch;
+mod choice;
 pub mod config;
 pub mod env;
 pub mod episode;

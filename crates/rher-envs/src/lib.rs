@@ -34,7 +34,9 @@ mod threads;
 
 pub use goals::{achieved_goal, reward_of_goals};
 pub use observation::{Places, Sink, Subject, gripper_and_object};
-pub use options::{OptionError, OptionValue, Options, Randomize, TaskOption, TaskOptions};
+pub use options::{
+    OptionError, OptionValue, Options, Randomize, RandomizeSetting, TaskOption, TaskOptions,
+};
 pub use pool::{AutoReset, Frames, Pool, PoolError, PoolRecord};
 pub use sim::{
     Body, DETECTIONS_AND_SOLVER_SUBSTEPS as SUBSTEPS, Fingers, Grip, Motion, RAPIER_VERSION,

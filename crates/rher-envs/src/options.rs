@@ -1,4 +1,4 @@
-//! What can be set about the environments of a task.
+//! Settings of the environments of a task.
 
 use rand::{Rng, RngExt as _};
 use serde::de::{Error, Visitor};
@@ -47,34 +47,36 @@ impl FromStr for Options {
     }
 }
 
-/// What one task, and no other, lets be set.
+/// A setting that one task has and no other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TaskOption {
     /// Name in files and on the command line, after `task.`.
     pub name: &'static str,
-    /// What it is unless it is set.
+    /// Its documentation; the first sentence can stand alone.
+    pub doc: &'static str,
+    /// Value unless it is set.
     pub default: OptionValue,
     /// The largest number that it can be set to; the smallest is 0.
     pub largest: f32,
 }
 
 impl TaskOption {
-    /// Something that is so or is not.
-    pub const fn flag(name: &'static str, default: bool) -> Self {
-        Self { name, default: OptionValue::Flag(default), largest: 0.0 }
+    /// A boolean option.
+    pub const fn flag(name: &'static str, default: bool, doc: &'static str) -> Self {
+        Self { name, doc, default: OptionValue::Flag(default), largest: 0.0 }
     }
 
     /// A number from 0 to `largest`.
-    pub const fn number(name: &'static str, default: f32, largest: f32) -> Self {
-        Self { name, default: OptionValue::Number(default), largest }
+    pub const fn number(name: &'static str, default: f32, largest: f32, doc: &'static str) -> Self {
+        Self { name, doc, default: OptionValue::Number(default), largest }
     }
 
     /// A whole number from 0 to `largest`.
-    pub const fn count(name: &'static str, default: u32, largest: u32) -> Self {
-        Self { name, default: OptionValue::Count(default), largest: largest as f32 }
+    pub const fn count(name: &'static str, default: u32, largest: u32, doc: &'static str) -> Self {
+        Self { name, doc, default: OptionValue::Count(default), largest: largest as f32 }
     }
 
-    /// `value` as this option has it, if it can have it.
+    /// `value` in the type of this option, if it is in its range.
     fn accept(&self, value: OptionValue) -> Option<OptionValue> {
         let value = match (self.default, value) {
             (OptionValue::Number(_), OptionValue::Count(count)) => {
@@ -93,7 +95,8 @@ impl TaskOption {
         fits.then_some(value)
     }
 
-    fn allowed(&self) -> String {
+    /// The values that it accepts, in words.
+    pub fn expected(&self) -> String {
         match self.default {
             OptionValue::Flag(_) => "true or false".to_owned(),
             OptionValue::Count(_) => format!("a whole number from 0 to {}", self.largest),
@@ -102,11 +105,11 @@ impl TaskOption {
     }
 }
 
-/// What a [`TaskOption`] is set to.
+/// Value of a [`TaskOption`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum OptionValue {
-    /// So, or not.
+    /// True or false.
     Flag(bool),
     /// A whole number.
     Count(u32),
@@ -170,7 +173,7 @@ impl TaskOptions {
         Self(options.iter().map(|option| (option.name.to_owned(), option.default)).collect())
     }
 
-    /// Whether `option` is set, or is so by default.
+    /// Whether the boolean `option` is true, by setting or by default.
     pub fn flag(&self, option: &TaskOption) -> bool {
         self.value(option) == OptionValue::Flag(true)
     }
@@ -197,8 +200,8 @@ impl TaskOptions {
                 return Err(OptionError::Unknown { key });
             };
             let Some(value) = option.accept(*value) else {
-                let (value, allowed) = (value.to_string(), option.allowed());
-                return Err(OptionError::OutOfRange { key, value, allowed });
+                let (value, expected) = (value.to_string(), option.expected());
+                return Err(OptionError::OutOfRange { key, value, expected });
             };
             checked.0.insert(name.clone(), value);
         }
@@ -206,64 +209,113 @@ impl TaskOptions {
     }
 }
 
-/// What is drawn anew for every episode, each uniformly from a range; by default from none.
-///
-/// Draws come from the seed of the episode.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Randomize {
-    /// Factor on every coefficient of friction, one for the whole scene: 0.2 to 3.
-    pub friction: [f32; 2],
-    /// Factor on the mass of what can be moved freely, one for each object: 0.2 to 5.
-    pub mass: [f32; 2],
-    /// Factor on its size: 0.8 to 1.2.
-    pub size: [f32; 2],
-    /// Standard deviation of the noise on where it is seen, in metres: 0 to 0.05.
-    pub sensor_noise: [f32; 2],
-    /// Steps by which actions are late: 0 to 5.
-    pub action_delay: [u32; 2],
+/// What is known about a setting of [`Randomize`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RandomizeSetting {
+    /// Name in files and on the command line, after `randomize.`.
+    pub name: &'static str,
+    /// Lines of its documentation; the first sentence can stand alone.
+    pub doc: &'static [&'static str],
+    /// Smallest and largest number of a range.
+    pub bounds: [f32; 2],
 }
 
-impl Default for Randomize {
-    fn default() -> Self {
-        Self {
-            friction: [1.0; 2],
-            mass: [1.0; 2],
-            size: [1.0; 2],
-            sensor_noise: [0.0; 2],
-            action_delay: [0; 2],
+impl RandomizeSetting {
+    /// The values that it accepts, in words.
+    pub fn expected(&self) -> String {
+        let [least, most] = self.bounds;
+        format!("[low, high] with {least} ≤ low ≤ high ≤ {most}")
+    }
+
+    fn check(&self, [low, high]: [f32; 2]) -> Result<(), OptionError> {
+        let [least, most] = self.bounds;
+        if least <= low && low <= high && high <= most {
+            return Ok(());
         }
+        Err(OptionError::OutOfRange {
+            key: format!("randomize.{}", self.name),
+            value: format!("[{low}, {high}]"),
+            expected: self.expected(),
+        })
     }
 }
+
+/// Declares what can be drawn anew for every episode: documentation, type, the value that changes
+/// nothing, and bounds.
+macro_rules! randomize {
+    (
+        $(#[doc = $about:literal])*
+        pub struct $name:ident {
+            $(
+                $(#[doc = $doc:literal])*
+                pub $field:ident: [$number:ty; 2] = $none:literal in $least:literal, $most:expr;
+            )+
+        }
+    ) => {
+        $(#[doc = $about])*
+        #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+        #[serde(deny_unknown_fields, default)]
+        pub struct $name {
+            $($(#[doc = $doc])* pub $field: [$number; 2],)+
+        }
+
+        impl Default for $name {
+            fn default() -> Self {
+                Self { $($field: [$none; 2],)+ }
+            }
+        }
+
+        impl $name {
+            /// Lines of its documentation.
+            pub const DOC: &'static [&'static str] = &[$($about),*];
+
+            /// Its settings, in the order of a settings file.
+            pub const SETTINGS: &'static [RandomizeSetting] = &[
+                $(RandomizeSetting {
+                    name: stringify!($field),
+                    doc: &[$($doc),*],
+                    bounds: [$least as f32, $most as f32],
+                },)+
+            ];
+
+            fn check(&self) -> Result<(), OptionError> {
+                let ranges = [$(self.$field.map(|bound| bound as f32)),+];
+                Self::SETTINGS.iter().zip(ranges).try_for_each(|(setting, range)| {
+                    setting.check(range)
+                })
+            }
+        }
+    };
+}
+
+randomize! {
+    /// Domain randomization: values that are drawn for every episode, each uniformly from a range.
+    ///
+    /// A range is `[low, high]`; by default nothing is randomized. Draws are a function of the seed
+    /// of the episode.
+    pub struct Randomize {
+        /// Factor on every coefficient of friction, one for the whole scene.
+        pub friction: [f32; 2] = 1.0 in 0.2, 3.0;
+        /// Factor on the mass of each object that can move freely, drawn for each object.
+        pub mass: [f32; 2] = 1.0 in 0.2, 5.0;
+        /// Factor on the size of each object that can move freely, drawn for each object.
+        pub size: [f32; 2] = 1.0 in 0.8, 1.2;
+        /// Standard deviation in meters of the Gaussian noise on observed positions.
+        pub sensor_noise: [f32; 2] = 0.0 in 0.0, 0.05;
+        /// Delay of actions in environment steps.
+        pub action_delay: [u32; 2] = 0 in 0, LONGEST_DELAY;
+    }
+}
+
+/// The longest delay of actions, in steps.
+const LONGEST_DELAY: usize = 5;
 
 impl Randomize {
     /// The longest delay of actions, in steps.
-    pub(crate) const LONGEST_DELAY: usize = 5;
-
-    fn check(&self) -> Result<(), OptionError> {
-        let Self { friction, mass, size, sensor_noise, action_delay } = self;
-        let [low, high] = *action_delay;
-        let whole = [low as f32, high as f32];
-        for (name, [low, high], [least, most]) in [
-            ("friction", *friction, [0.2, 3.0]),
-            ("mass", *mass, [0.2, 5.0]),
-            ("size", *size, [0.8, 1.2]),
-            ("sensor_noise", *sensor_noise, [0.0, 0.05]),
-            ("action_delay", whole, [0.0, Self::LONGEST_DELAY as f32]),
-        ] {
-            if !(least <= low && low <= high && high <= most) {
-                return Err(OptionError::OutOfRange {
-                    key: format!("randomize.{name}"),
-                    value: format!("[{low}, {high}]"),
-                    allowed: format!("[low, high] with {least} ≤ low ≤ high ≤ {most}"),
-                });
-            }
-        }
-        Ok(())
-    }
+    pub(crate) const LONGEST_DELAY: usize = LONGEST_DELAY;
 }
 
-/// A number of a range, which may be a single one.
+/// Draws a number uniformly from a range, which may be a single number.
 pub(crate) fn draw([low, high]: [f32; 2], rng: &mut impl Rng) -> f32 {
     let share: f32 = rng.random();
     low + share * (high - low)
@@ -279,14 +331,14 @@ pub enum OptionError {
         key: String,
     },
     /// The value has another type, or is outside its range.
-    #[error("`{key}` is {value}, expected {allowed}")]
+    #[error("`{key}` is {value}, expected {expected}")]
     OutOfRange {
         /// Dotted name.
         key: String,
-        /// What it is.
+        /// Its value.
         value: String,
-        /// What it may be.
-        allowed: String,
+        /// The values that it accepts.
+        expected: String,
     },
 }
 

@@ -47,8 +47,12 @@ pub trait Scenario<const N: usize>: Sized + Send + 'static {
     /// an arm that is stretched in one and folded in the other.
     const FRONT_LIKE_BACK: bool = false;
 
-    /// What can be set about this task and no other.
+    /// Settings that this task has and no other.
     const OPTIONS: &'static [TaskOption] = &[];
+
+    /// Settings with which the preset `fast` reaches the success rate on this task sooner, or with
+    /// a better budget, as TOML.
+    const RECIPE: Option<&'static str> = None;
 
     /// Sets the scene.
     fn build() -> (Self, World);

@@ -56,10 +56,24 @@ macro_rules! tasks {
                 })
             }
 
-            /// What can be set about this task and no other.
+            /// Number of objects, N.
+            pub const fn objects(self) -> usize {
+                match self {
+                    $(Self::$task => $objects,)+
+                }
+            }
+
+            /// Settings that this task has and no other.
             pub const fn options(self) -> &'static [TaskOption] {
                 match self {
                     $(Self::$task => <$scenario as crate::simulation::Scenario<$objects>>::OPTIONS,)+
+                }
+            }
+
+            /// Settings with which the preset `fast` is better for this task, as TOML.
+            pub const fn recipe(self) -> Option<&'static str> {
+                match self {
+                    $(Self::$task => <$scenario as crate::simulation::Scenario<$objects>>::RECIPE,)+
                 }
             }
         }

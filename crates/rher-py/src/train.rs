@@ -89,7 +89,7 @@ impl Trainer {
         let workers = threads(workers)?;
         unlocked(cls.py(), || {
             let Settings { config, options } =
-                settings::resolve(task, &asked).map_err(from_settings)?;
+                settings::resolve_here(task, &asked).map_err(from_settings)?;
             let path = out.unwrap_or_else(|| RunDir::default_path(&config));
             let folder = RunDir::create(&path).map_err(from_run_dir)?;
             let envs = config.envs;

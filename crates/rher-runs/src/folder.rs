@@ -101,7 +101,7 @@ impl RunDir {
 
 /// The settings that were kept with a run, if they can be read.
 pub fn read_config(folder: &Path) -> Option<Settings> {
-    settings::from_toml(&std::fs::read_to_string(folder.join(CONFIG_FILE)).ok()?)
+    settings::from_toml(&settings::read_text(&folder.join(CONFIG_FILE)).ok()?)
 }
 
 /// The first checkpoint is written before the first step, so without one nothing was done.

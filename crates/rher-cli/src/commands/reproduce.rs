@@ -65,7 +65,7 @@ impl Case {
             engine: None,
             envs: self.envs,
         };
-        let settings = settings::resolve(self.task, &(&asked).into())?;
+        let settings = settings::resolve_here(self.task, &(&asked).into())?;
         Ok(Job { cell: self.label.clone(), task: self.task, settings })
     }
 }

@@ -47,7 +47,7 @@ fn grid(args: &SweepArgs) -> anyhow::Result<Vec<Job>> {
             engine: None,
             envs: None,
         };
-        let settings = settings::resolve(args.task, &(&asked).into())?;
+        let settings = settings::resolve_here(args.task, &(&asked).into())?;
         Ok(Job { cell: cell(varied), task: args.task, settings })
     };
     let of_seeds =

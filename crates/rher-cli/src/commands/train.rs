@@ -39,7 +39,7 @@ pub(crate) fn train(args: &TrainArgs, printer: Printer) -> anyhow::Result<Status
     match (resume, task) {
         (Some(path), _) => go_on(path, settings, how),
         (None, Some(task)) => {
-            let settings = settings::resolve(*task, &settings.into())?;
+            let settings = settings::resolve_here(*task, &settings.into())?;
             let path = out.clone().unwrap_or_else(|| RunDir::default_path(&settings.config));
             begin(*task, settings, &path, how)
         }

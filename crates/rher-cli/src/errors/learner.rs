@@ -22,7 +22,9 @@ impl Explain for TrainError {
                  `agent.actor_learning_rate` and `agent.critic_learning_rate` help against \
                  divergence",
             )),
-            Self::Config(_) | Self::Engine(_) => Some(Report::plain(Status::Usage)),
+            Self::Config(_) | Self::Memory(_) | Self::Engine(_) => {
+                Some(Report::plain(Status::Usage))
+            }
             _ => None,
         }
     }

@@ -49,6 +49,7 @@ impl Explain for SettingsError {
             | Self::OutOfRange { origin, .. }
             | Self::Option { origin, .. } => Report::new(status(origin), EVERY),
             Self::Combination(_) | Self::Unfit(_) => Report::new(Status::Usage, EVERY),
+            Self::Memory(_) => Report::plain(Status::Usage),
             Self::Unwritten(_) => Report::plain(Status::Failure),
         })
     }

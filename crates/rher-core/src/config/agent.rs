@@ -1,15 +1,17 @@
 //! Settings of the learner.
 
-use serde::{Deserialize, Serialize};
+use super::Range;
+use super::declare::settings;
+use crate::choice::choices;
 
-/// The engine that computes updates; networks, losses and files are the same for all.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum EngineKind {
-    /// Burn's autodiff: the reference.
-    Burn,
-    /// Explicit forward and backward passes over preallocated buffers.
-    Fused,
+choices! {
+    /// Compute engine of the networks.
+    pub enum EngineKind {
+        /// Burn's automatic differentiation: the reference implementation.
+        Burn = "burn",
+        /// Explicit forward and backward passes over preallocated buffers: the fast implementation.
+        Fused = "fused",
+    }
 }
 
 impl EngineKind {
@@ -24,111 +26,127 @@ impl EngineKind {
     /// The engine of the presets: `Fused`, or `Burn` where only that one is part of this build.
     pub const DEFAULT: Self =
         if cfg!(all(feature = "burn", not(feature = "fused"))) { Self::Burn } else { Self::Fused };
+}
 
-    /// Name in files and on the command line.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Burn => "burn",
-            Self::Fused => "fused",
-        }
+choices! {
+    /// Initialization of the networks.
+    pub enum Init {
+        /// Weights uniform in ±√(6 / (inputs + outputs)), biases 0 (Glorot): the authors'
+        /// single-object code.
+        Xavier = "xavier",
+        /// Weights and biases uniform in ±1/√inputs, PyTorch's default: the authors' multi-object
+        /// code.
+        FanIn = "fan-in",
     }
 }
 
-/// How weights are drawn before the first update.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Init {
-    /// Uniform in ±√(6 / (inputs + outputs)), biases 0: the authors' single-object code.
-    Xavier,
-    /// Uniform in ±1/√inputs, biases too: PyTorch's default, the authors' multi-object code.
-    FanIn,
+choices! {
+    /// When the target networks are updated.
+    pub enum TargetEvery {
+        /// With every update of the actor.
+        Update = "update",
+        /// Once after all updates of an episode, as the authors' single-object code does.
+        Episode = "episode",
+    }
 }
 
-/// When the target networks move.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum TargetEvery {
-    /// With every update of the actor.
-    Update,
-    /// Once after all updates of an episode, as the authors' single-object code.
-    Episode,
-}
-
-/// Settings of the actor-critic: TD3, or DDPG with one critic, no delay and no smoothing.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct AgentConfig {
-    /// The engine that computes updates.
-    pub engine: EngineKind,
-    /// Widths of the hidden layers, of the actor and of each critic.
-    pub hidden: Vec<usize>,
-    /// How weights are drawn.
-    pub init: Init,
-    /// 2 for TD3 (the target is the smaller of two), 1 for DDPG.
-    pub critics: usize,
-    /// Layer normalization before every activation of the critics.
-    pub critic_layer_norm: bool,
-    /// Updates of the critics for one of the actor: 2 for TD3, 1 for DDPG.
-    pub policy_delay: u64,
-    /// Standard deviation of the noise on target actions: 0.2 for TD3, 0 for none.
-    pub target_noise: f32,
-    /// Largest noise on a target action.
-    pub target_noise_clip: f32,
-    /// The paper's γ; targets are clipped to [−1 / (1 − γ), 0], the range of possible returns.
-    pub discount: f32,
-    /// Weight of the mean squared action in the actor's loss.
-    pub action_l2: f32,
-    /// Weight, in the actor's loss, of how far it is from what it does itself for the simpler
-    /// sub-task whose turn it is: the mean squared difference of actions, summed over the rows
-    /// where an earlier object is not in its place.
-    #[serde(default)]
-    pub imitation: f32,
-    /// Adam's step size for the actor.
-    pub actor_learning_rate: f32,
-    /// Adam's step size for the critics.
-    pub critic_learning_rate: f32,
-    /// Polyak step: the share of its distance to the trained networks that a target moves by.
-    pub target_rate: f32,
-    /// When they move.
-    pub target_every: TargetEvery,
+settings! {
+    /// The actor-critic: TD3, or DDPG with one critic, no policy delay and no target noise.
+    pub struct AgentConfig in "agent.", from start {
+        /// Compute engine. Networks, losses and files are the same for both.
+        pub engine: EngineKind {
+            paper: EngineKind::DEFAULT,
+        }
+        /// Widths of the hidden layers, of the actor and of each critic.
+        pub hidden: Vec<usize> {
+            range: Range::Between(1, 65_536),
+            paper: if start.single { vec![256; 3] } else { vec![256; 2] },
+            fast: vec![256; 2],
+        }
+        /// Initialization of the networks.
+        pub init: Init {
+            paper: if start.single { Init::Xavier } else { Init::FanIn },
+        }
+        /// Number of critics: 2 for TD3, whose target is the smaller of two values (clipped double
+        /// Q-learning), 1 for DDPG.
+        pub critics: usize {
+            range: Range::Between(1, 2),
+            paper: if start.single { 1 } else { 2 },
+            fast: 2,
+        }
+        /// Layer normalization before every activation of the critics. Not in the paper.
+        pub critic_layer_norm: bool {
+            paper: false,
+            fast: !start.single,
+        }
+        /// Critic updates for each update of the actor: TD3's delayed policy updates, 2 for TD3, 1
+        /// for DDPG.
+        pub policy_delay: u64 {
+            range: Range::AtLeast(1),
+            paper: if start.single { 1 } else { 2 },
+            fast: 2,
+        }
+        /// Standard deviation of the noise on target actions: TD3's target policy smoothing, 0.2
+        /// for TD3, 0 for none.
+        pub target_noise: f32 {
+            range: Range::NonNegative,
+            paper: if start.single { 0.0 } else { 0.2 },
+            fast: 0.2,
+        }
+        /// Bound at which the noise on target actions is clipped.
+        pub target_noise_clip: f32 {
+            range: Range::NonNegative,
+            paper: 0.5,
+        }
+        /// Discount factor: the paper's γ (eq. 1). Targets are clipped to [−1 / (1 − γ), 0], the
+        /// range of possible returns.
+        pub discount: f32 {
+            range: Range::ShareBelowOne,
+            paper: 0.98,
+            fast: 0.95,
+        }
+        /// Weight of the action penalty, the mean squared action, in the actor's loss (eq. 2).
+        pub action_l2: f32 {
+            range: Range::NonNegative,
+            paper: 1.0,
+            fast: if start.single { 1.0 } else { 0.1 },
+        }
+        /// Weight of the imitation of simpler sub-tasks in the actor's loss: self-distillation. It
+        /// is the mean squared difference between the action and the one that the actor itself
+        /// chooses for the simpler sub-task of the current object, over the rows where an earlier
+        /// object is not placed. Not in the paper.
+        #[serde(default)]
+        pub imitation: f32 {
+            range: Range::NonNegative,
+            paper: 0.0,
+            fast: 1.0,
+        }
+        /// Learning rate (Adam) of the actor.
+        pub actor_learning_rate: f32 {
+            range: Range::Positive,
+            paper: 1e-3,
+        }
+        /// Learning rate (Adam) of the critics.
+        pub critic_learning_rate: f32 {
+            range: Range::Positive,
+            paper: 1e-3,
+        }
+        /// Rate of the target networks' Polyak averaging, usually called τ: target ← τ · trained +
+        /// (1 − τ) · target.
+        pub target_rate: f32 {
+            range: Range::PositiveShare,
+            paper: if start.single { 0.05 } else { 0.01 },
+            fast: 0.01,
+        }
+        /// When the target networks are updated.
+        pub target_every: TargetEvery {
+            paper: if start.single { TargetEvery::Episode } else { TargetEvery::Update },
+            fast: TargetEvery::Update,
+        }
+    }
 }
 
 impl AgentConfig {
-    /// TD3 with the settings of the authors' multi-object code.
-    pub fn td3() -> Self {
-        Self {
-            engine: EngineKind::DEFAULT,
-            hidden: vec![256; 2],
-            init: Init::FanIn,
-            critics: 2,
-            critic_layer_norm: false,
-            policy_delay: 2,
-            target_noise: 0.2,
-            target_noise_clip: 0.5,
-            discount: 0.98,
-            action_l2: 1.0,
-            imitation: 0.0,
-            actor_learning_rate: 1e-3,
-            critic_learning_rate: 1e-3,
-            target_rate: 0.01,
-            target_every: TargetEvery::Update,
-        }
-    }
-
-    /// DDPG with the settings of the authors' single-object code.
-    pub fn ddpg() -> Self {
-        Self {
-            hidden: vec![256; 3],
-            init: Init::Xavier,
-            critics: 1,
-            policy_delay: 1,
-            target_noise: 0.0,
-            target_rate: 0.05,
-            target_every: TargetEvery::Episode,
-            ..Self::td3()
-        }
-    }
-
     /// The lowest possible return, −1 / (1 − γ).
     pub fn lowest_return(&self) -> f32 {
         -1.0 / (1.0 - self.discount)

@@ -1,7 +1,7 @@
 //! Positions of the gripper and the objects, as reached and as asked for.
 
+use crate::choice::choices;
 use nalgebra::Point3;
-use serde::{Deserialize, Serialize};
 use std::iter;
 
 /// A point in the world frame, in metres.
@@ -67,14 +67,15 @@ impl<const N: usize> Scene<N> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Achieved<const N: usize>(pub Scene<N>);
 
-/// Which place hindsight asks of the objects that a sub-task leaves alone.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum LaterObjects {
-    /// Where they are at the step that is replayed, as in the authors' code.
-    Now,
-    /// Where they are at the later step, as eq. 9 has it.
-    Later,
+choices! {
+    /// Hindsight goal of the objects that a sub-task does not touch.
+    pub enum LaterObjects {
+        /// Their positions at the step that is replayed, as in the authors' code: this goal is
+        /// already met.
+        Now = "now",
+        /// Their positions at the later step, as in eq. 9.
+        Later = "later",
+    }
 }
 
 /// A scene that is asked for: the paper's `s_dg`.

@@ -90,8 +90,10 @@ pub fn needed<const N: usize>(config: &TrainConfig, spec: &EnvSpec<N>) -> Memory
 
     let row = NUMBER * (4 * input + 5 * action + 4);
     let evaluation = &config.evaluation;
-    let episodes =
-        sum(&[wide(evaluation.episodes), times(subtasks - 1, wide(evaluation.subtask_episodes))]);
+    let episodes = sum(&[
+        wide(evaluation.episodes),
+        times(subtasks.saturating_sub(1), wide(evaluation.subtask_episodes)),
+    ]);
     let rows = sum(&[times(row, rows), times(EPISODE, episodes)]);
     Memory { replay, networks, rows }
 }

@@ -10,19 +10,19 @@ use rand::{Rng, RngExt as _};
 use rand_chacha::ChaCha8Rng;
 use rher_core::goal::Position;
 
-/// Height of the table, in metres.
+/// Height of the table, in meters.
 const TABLE: f32 = 0.4;
 
 /// The middle of the workspace, on the table.
 const MIDDLE_OF_WORKSPACE: Position = Position::new(1.3, MIDDLE, TABLE);
 
-/// Half of the workspace's edges, along x and y, in metres.
+/// Half of the workspace's edges, along x and y, in meters.
 const WORKSPACE_HALF: [f32; 2] = [0.045, 0.07];
 
-/// How far an action of 1 asks the cue to move, in metres.
+/// How far an action of 1 asks the cue to move, in meters.
 const PER_STEP: f32 = 0.03;
 
-/// How far above the table the cue's tip is at least, in metres.
+/// How far above the table the cue's tip is at least, in meters.
 const LOWEST: f32 = 0.005;
 
 /// The same at most.
@@ -31,14 +31,22 @@ const HIGHEST: f32 = 0.07;
 /// The same when an episode begins.
 const HOME: f32 = 0.05;
 
-/// How far from its target the cylinder starts at least, in metres: twice the tolerance.
+/// How far from its target the cylinder starts at least, in meters: twice the tolerance.
 const APART: f32 = 0.04;
 
-/// Standard deviation of what the camera sees along each axis, in metres.
-const NOISE: TaskOption = TaskOption::number("noise", 0.001, 0.02);
+const NOISE: TaskOption = TaskOption::number(
+    "noise",
+    0.001,
+    0.02,
+    "Standard deviation in meters of the camera noise along each axis.",
+);
 
-/// Steps by which the camera is late.
-const DELAY: TaskOption = TaskOption::count("delay", 1, LONGEST_DELAY as u32);
+const DELAY: TaskOption = TaskOption::count(
+    "delay",
+    1,
+    LONGEST_DELAY as u32,
+    "Delay of the camera in environment steps.",
+);
 
 /// Push a cylinder to a place on the table with a cue.
 ///
@@ -58,6 +66,7 @@ impl Scenario<1> for CuePush {
     /// Touching it is 3 cm away from its middle.
     const REACH_TOLERANCE: f32 = 0.04;
     const OPTIONS: &'static [TaskOption] = &[NOISE, DELAY];
+    const RECIPE: Option<&'static str> = Some(include_str!("cue-push.toml"));
 
     fn build() -> (Self, World) {
         let home = above_middle(0.0, 0.0, HOME);
@@ -106,7 +115,7 @@ fn above_middle(x: f32, y: f32, height: f32) -> Position {
     Position::new(middle.x + x, middle.y + y, middle.z + height)
 }
 
-/// A place for the cylinder, at least `margin` metres from the edges of the workspace.
+/// A place for the cylinder, at least `margin` meters from the edges of the workspace.
 fn draw_within(margin: f32, rng: &mut impl Rng) -> Position {
     let [x, y] = WORKSPACE_HALF.map(|half| rng.random_range(margin - half..half - margin));
     above_middle(x, y, CYLINDER_HEIGHT / 2.0)

@@ -24,13 +24,18 @@ pub struct ObstaclePush {
     shows_obstacle: bool,
 }
 
-/// Whether the observation says where the obstacle is; if not, those three numbers are 0.
-const OBSERVE_OBSTACLE: TaskOption = TaskOption::flag("observe_obstacle", true);
+const OBSERVE_OBSTACLE: TaskOption = TaskOption::flag(
+    "observe_obstacle",
+    true,
+    "Whether the observation includes the position of the obstacle relative to the hand. If false, \
+     those three dimensions are 0.",
+);
 
 impl Scenario<1> for ObstaclePush {
     const NAME: &'static str = "obstacle-push";
     const FRONT_LIKE_BACK: bool = true;
     const OPTIONS: &'static [TaskOption] = &[OBSERVE_OBSTACLE];
+    const RECIPE: Option<&'static str> = Some(include_str!("obstacle-push.toml"));
 
     fn build() -> (Self, World) {
         let (world, (block, obstacle)) = World::new(Fingers::Locked, ON_TABLE, |scenery| {

@@ -24,6 +24,7 @@ impl Scenario<1> for Reach {
     const NAME: &'static str = "reach";
     const FRONT_LIKE_BACK: bool = true;
     const SUBTASKS: usize = 1;
+    const RECIPE: Option<&'static str> = Some(include_str!("reach.toml"));
 
     fn build() -> (Self, World) {
         let (world, ()) = World::new(Fingers::Locked, HOME, Scenery::table);

@@ -23,6 +23,7 @@ impl Scenario<3> for TStack {
     const FRONT_LIKE_BACK: bool = true;
     const EPISODE_STEPS: usize = 70;
     const ALIKE: bool = true;
+    const RECIPE: Option<&'static str> = Some(include_str!("tstack.toml"));
 
     fn build() -> (Self, World) {
         let (blocks, world) = Blocks::build(Fingers::Free, IN_THE_AIR);

@@ -1,6 +1,8 @@
 //! What can be wrong with settings, and who made them.
 
+use super::describe::expected;
 use rher_core::config::{ConfigError, VERSION};
+use rher_core::train::memory::MemoryError;
 use rher_envs::{OptionError, Task};
 use std::fmt;
 use std::io;
@@ -42,6 +44,12 @@ impl Place {
             line: before.matches('\n').count() + 1,
             column: before[line_start..].chars().count() + 1,
         }
+    }
+}
+
+impl From<Source> for Origin {
+    fn from(source: Source) -> Self {
+        Self { source, at: None }
     }
 }
 
@@ -127,15 +135,17 @@ pub enum SettingsError {
         /// Dotted.
         key: String,
     },
-    /// The value has another type.
-    #[error("{origin}: `{key}`: {problem}")]
+    /// The value has another type, or is too large for it.
+    #[error("{origin}: `{key}` is {value}, expected {expected}")]
     Mistyped {
         /// Who asked for it.
         origin: Origin,
         /// Dotted.
         key: String,
-        /// What was expected.
-        problem: String,
+        /// Its value, as TOML.
+        value: Box<str>,
+        /// The values that it accepts.
+        expected: Box<str>,
     },
     /// Only another task has this setting.
     #[error("{origin}: `{key}` is a setting of `{owner}`, not of `{task}`")]
@@ -171,7 +181,18 @@ pub enum SettingsError {
     /// Settings do not go together.
     #[error(transparent)]
     Combination(#[from] ConfigError),
+    /// A run with these settings needs more memory than there is.
+    #[error(transparent)]
+    Memory(#[from] MemoryError),
     /// Settings cannot be written down.
     #[error("the settings do not fit into a TOML file")]
     Unwritten(#[from] toml::ser::Error),
+}
+
+impl SettingsError {
+    /// The error of a setting that has another type than `value`.
+    pub(super) fn mistyped(origin: Origin, key: &str, value: &toml::Value) -> Self {
+        let expected = expected(key).unwrap_or_else(|| "another type".to_owned()).into();
+        Self::Mistyped { origin, key: key.to_owned(), value: value.to_string().into(), expected }
+    }
 }
