@@ -8,7 +8,7 @@ use rher_core::event::{Event, Metrics, Observer, ObserverError, Seconds};
 use rher_core::explore::{ActionLog, ActionSource};
 use rher_core::goal::{Achieved, Desired, Position, Scene};
 use rher_core::seed::{Purpose, Seed};
-use rher_core::train::{Finish, Trainer};
+use rher_core::train::{Finish, TrainError, Trainer};
 use std::fmt::Write as _;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex};
@@ -143,6 +143,27 @@ fn a_run_is_saved_before_its_first_step_and_after_every_evaluation() {
     ");
 }
 
+#[test]
+fn too_few_environments_are_refused() {
+    let config = TrainConfig { envs: 3, ..config() };
+    let Err(error) = Trainer::new(config, vec![Magnet::<1>::new(), Magnet::new()], 1) else {
+        panic!("two environments were enough for three");
+    };
+    assert!(matches!(error, TrainError::TooFewEnvs { given: 2, expected: 3 }), "{error}");
+}
+
+#[test]
+fn before_the_first_update_there_is_nothing_to_report_of_the_learner() {
+    let mut config = config();
+    config.replay.warmup_episodes = 9;
+    config.env_steps = 25;
+    let mut diary = Diary::default();
+    let mut trainer = Trainer::new(config, vec![Magnet::<1>::new()], 1).unwrap();
+    trainer.run(None, &mut diary, &AtomicBool::new(false)).unwrap();
+    let Metrics { q_min, q_mean, q_max, critic_loss, actor_loss, .. } = diary.metrics[0];
+    assert_eq!([q_min, q_mean, q_max, critic_loss, actor_loss], [0.0; 5]);
+}
+
 /// A world that writes down the seed of every episode, and in which an object is where it should
 /// be, or not, as the evaluations are to find.
 #[derive(Clone)]
@@ -216,6 +237,20 @@ fn a_run_ends_after_two_consecutive_evaluations_that_are_good_enough() {
     assert_eq!(run(0.1, &[yes, yes, yes]), (Finish::Solved, 2));
     assert_eq!(run(1.0, &[yes, no, yes, no, yes, no]), (Finish::StepsSpent, 6));
     assert_eq!(run(0.0, &[yes; 6]), (Finish::StepsSpent, 6), "0 never ends it");
+}
+
+#[test]
+fn when_a_run_ends_can_be_changed() {
+    let run = |trainer: &mut Trainer<1, Exam>| {
+        trainer.run(None, &mut Diary::default(), &AtomicBool::new(false)).unwrap()
+    };
+    let mut trainer = Trainer::new(exam_config(), vec![Exam::new(&[true; 9])], 1).unwrap();
+    trainer.set_env_steps(2 * 2);
+    assert_eq!((run(&mut trainer), trainer.evaluations()), (Finish::StepsSpent, 2));
+    trainer.set_env_steps(8 * 2);
+    assert_eq!((run(&mut trainer), trainer.evaluations()), (Finish::StepsSpent, 8));
+    trainer.set_until(0.5);
+    assert_eq!((run(&mut trainer), trainer.evaluations()), (Finish::Solved, 8));
 }
 
 #[test]
