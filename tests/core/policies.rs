@@ -169,7 +169,8 @@ fn an_order_of_objects_that_does_not_fit_is_refused() {
     policy.save(&path).unwrap();
     assert_eq!(Policy::load(&path).unwrap(), policy);
     let whole = std::fs::read(&path).unwrap();
-    // The description is JSON within JSON; spaces keep its length.
+    // The description is JSON within JSON; spaces keep its length. Version 1 has no checksum.
+    let version = whole.windows(11).position(|bytes| bytes == br#"version\":2"#).unwrap();
     let second = r#"{\"from\":1,\"sign\":1.0,\"offset\":0.0}"#;
     for (text, other) in [
         (second.to_owned(), second.replace("1,", "2,")),
@@ -179,6 +180,7 @@ fn an_order_of_objects_that_does_not_fit_is_refused() {
     ] {
         let at = whole.windows(text.len()).position(|bytes| bytes == text.as_bytes()).unwrap();
         let mut file = whole.clone();
+        file[version + 10] = b'1';
         let padded = format!("{other:width$}", width = text.len());
         file[at..at + text.len()].copy_from_slice(padded.as_bytes());
         std::fs::write(&path, file).unwrap();
