@@ -337,9 +337,9 @@ fn training_continues_without_a_recording_that_cannot_be_written() {
     assert!(ran.stderr.contains("warning: recording has stopped, training continues"), "{ran}");
     assert_eq!(rher.metrics("run").last().unwrap()["env_steps"], 1000);
     // Whole episodes are kept, and finished by the next run in the folder.
-    assert!(rher.ok("replay run/episodes-0.part.mcap --verify").starts_with("real: "), "{ran}");
+    assert!(rher.ok("replay run/episodes-0.part.mcap --verify").starts_with("verified: "), "{ran}");
     rher.ok("train --resume run --env-steps 1500");
-    assert!(rher.ok("replay run/episodes-0.mcap --verify").starts_with("real: "));
+    assert!(rher.ok("replay run/episodes-0.mcap --verify").starts_with("verified: "));
 }
 
 #[test]
