@@ -45,6 +45,7 @@ fn peak() -> u64 {
 /// Runs in a process of its own, whose memory is that of one run.
 #[test]
 #[ignore = "the other test runs it"]
+#[expect(clippy::print_stdout, reason = "the other test reads it")]
 fn one_run() {
     let config = config(&std::env::var("KIND").unwrap());
     let before = peak();
@@ -70,7 +71,6 @@ fn the_estimate_is_near_the_truth() {
         let took: u64 = took.1.parse().unwrap();
         let needed = memory::needed(&config(kind), Magnet::<2>::new().spec());
         let ratio = needed.total() as f64 / took as f64;
-        println!("{kind}: {needed:?}, took {took}, ratio {ratio:.2}");
         assert!((0.8..1.6).contains(&ratio), "{kind}: {needed:?}, took {took}");
     }
 }

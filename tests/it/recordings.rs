@@ -435,7 +435,11 @@ fn bad_recordings_are_told_apart() {
         ("missing.mcap", "cannot read `missing.mcap`", "rher play RUN --mcap FILE"),
         ("text.mcap", "`text.mcap` is not an MCAP file", "rher play RUN --mcap FILE"),
         ("empty.mcap", "`empty.mcap` is not an MCAP file", "rher play RUN --mcap FILE"),
-        ("cut.mcap", "`cut.mcap` is cut off after 1 whole episodes", "if it is named `cut.part.mcap`"),
+        (
+            "cut.mcap",
+            "`cut.mcap` is cut off after 1 whole episodes",
+            "if it is named `cut.part.mcap`",
+        ),
         ("damaged.mcap", "`damaged.mcap` is damaged: ", "record it again"),
         ("foreign.mcap", "`foreign.mcap` was not recorded by this program", "rher play RUN"),
     ] {

@@ -85,7 +85,6 @@ fn create_beside(folder: &Path) -> io::Result<(File, PathBuf)> {
 }
 
 /// Makes the renames in a folder durable.
-#[cfg(feature = "train")]
 pub(crate) fn sync_folder(folder: &Path) -> Result<(), FileError> {
     File::open(folder).and_then(|folder| folder.sync_all()).map_err(FileError::write(folder))
 }

@@ -1,6 +1,6 @@
 //! Which objects the numbers of an observation are about, and so what it is when they trade places.
 
-use super::{Sink, Subject};
+use super::sink::{Sink, Subject};
 use nalgebra::Vector3;
 use rher_core::env::{Permutation, SignedIndex};
 use rher_core::goal::Position;

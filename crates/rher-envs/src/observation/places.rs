@@ -1,6 +1,6 @@
 //! Where in an observation the gripper's and the objects' positions are.
 
-use super::Sink;
+use super::sink::Sink;
 use nalgebra::Vector3;
 use rher_core::goal::Position;
 

@@ -1,6 +1,6 @@
 //! How a pool got to where it is.
 
-use super::{Frames, Pool, PoolError, Slot};
+use super::step::{Frames, Pool, PoolError, Slot};
 use rher_core::env::Env;
 use serde::{Deserialize, Serialize};
 
