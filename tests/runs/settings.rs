@@ -28,7 +28,8 @@ fn settings_of_every_preset_stay_as_they_are() {
         for preset in [Preset::Fast, Preset::SampleEfficient, Preset::Paper] {
             let text = to_toml(&settings(*task, preset, &[])).unwrap();
             let hash = Sha256::digest(text.as_bytes());
-            let hash: String = hash[..8].iter().map(|byte| format!("{byte:02x}")).collect();
+            let hash: String =
+                hash[..8].iter().fold(String::new(), |text, byte| text + &format!("{byte:02x}"));
             writeln!(hashes, "{task} {} {hash}", preset.name()).unwrap();
         }
     }

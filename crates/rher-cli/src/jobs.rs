@@ -48,8 +48,9 @@ impl Job {
         if name.len() <= LONGEST_NAME {
             return name;
         }
-        let hash: String =
-            Sha256::digest(&name).iter().take(8).map(|byte| format!("{byte:02x}")).collect();
+        let hash: String = Sha256::digest(&name)[..8]
+            .iter()
+            .fold(String::new(), |text, byte| text + &format!("{byte:02x}"));
         let end = name.floor_char_boundary(LONGEST_NAME - hash.len() - 1);
         format!("{}-{hash}", &name[..end])
     }
@@ -168,7 +169,7 @@ pub(crate) fn run(
         let join = |worker: thread::ScopedJoinHandle<'_, _>| {
             worker.join().expect("a worker does not panic")
         };
-        workers.into_iter().map(join).fold(None, |before, status| before.or(status))
+        workers.into_iter().map(join).fold(None, Option::or)
     });
 
     let cells = summarize(jobs, out);
