@@ -35,17 +35,17 @@ fn help_names_the_verbs_and_every_exit_status() {
     Usage: rher <COMMAND>
 
     Commands:
-      tasks      List the tasks: objects, sub-tasks, widths, episode length, tolerances
-      train      Train a policy, from the beginning or on from a checkpoint
-      sweep      Train with every combination of settings and seeds, a few runs at a time
+      tasks      List the tasks with their objects, sub-tasks, dimensions, episode length and tolerances
+      train      Train a policy, or resume a run from its checkpoint
+      sweep      Train with every combination of settings and seeds, several runs at a time
       reproduce  Repeat an experiment of the paper
-      eval       Measure how often a policy succeeds, with a 95 % confidence interval
-      play       Play episodes of a policy, draw them, and record them for Foxglove
-      replay     List the episodes of a recording, or prove that they were real
-      export     Write a dataset of demonstrations, for Minari or LeRobot
-      stats      Compare runs: how soon they succeed, how often in the end, and how sure that is
-      plot       Draw learning curves, beside those that the authors published
-      report     Write one page about runs: curves, tables, an episode, settings
+      eval       Measure the success rate of a policy, with a 95 % confidence interval
+      play       Play episodes of a policy, and draw or record them
+      replay     List the episodes of a recording, or verify that they reproduce bit for bit
+      export     Write a dataset of demonstrations in the format of Minari or LeRobot
+      stats      Compare runs: sample efficiency, final success, confidence intervals
+      plot       Draw learning curves, with those that the authors published
+      report     Write one HTML page about runs: curves, tables, an episode, settings
       config     Print every setting of a run as TOML, for `rher train --config`
       bench      Measure the speed of this machine
       help       Print this message or the help of the given subcommand(s)
@@ -60,20 +60,22 @@ fn help_names_the_verbs_and_every_exit_status() {
     Start with `rher train push`.
 
     Exit status:
-        0  everything went well
-        1  something else went wrong
-        2  the command line is wrong: unknown task or option, bad value
-        3  a config file is unreadable or has a wrong setting
-        4  a config file has another version
+        0  success
+        1  another error
+        2  the command line is wrong: an unknown task or option, or a bad value
+        3  a settings file cannot be read, or has a wrong setting
+        4  a settings file has another version
         5  the run folder is in use, already holds a run, or holds none
         6  a file or folder cannot be written
         7  the disk is full
         8  a checkpoint or policy file is damaged
         9  the environment failed
-       10  NaN or infinity in an environment or in a loss
-       11  a file is not a recording, or is cut off or damaged
-       12  a recorded episode is not what happens when it is played again
+       10  NaN or infinity in an environment, a policy or the learner
+       11  a file is not a recording, or it is cut off or damaged
+       12  a recorded episode does not reproduce
+      129  ended by SIGHUP; the run or the recording is saved
       130  interrupted by Ctrl-C; the run or the recording is saved
+      143  ended by SIGTERM; the run or the recording is saved
     ");
 }
 
@@ -81,40 +83,39 @@ fn help_names_the_verbs_and_every_exit_status() {
 #[cfg_attr(feature = "live", ignore = "there is more to help with")]
 fn training_help_teaches() {
     assert_snapshot!(without_tasks(&Rher::new().ok("train -h")), @"
-    Train a policy, from the beginning or on from a checkpoint
+    Train a policy, or resume a run from its checkpoint
 
     Usage: rher train [OPTIONS] [TASK]
 
     Arguments:
-      [TASK]  What to learn; `rher tasks` says more [possible values: …]
+      [TASK]  Task to learn; `rher tasks` lists the tasks [possible values: …]
 
     Options:
       -h, --help     Print help (see more with '--help')
       -V, --version  Print version
 
-    Settings, each winning over those before it:
-          --preset <PRESET>   Settings to start from; `fast` also takes the recipe of the task [default:
+    Settings, in increasing order of precedence:
+          --preset <PRESET>   Preset to start from; `fast` also applies the recipe of the task [default:
                               fast] [possible values: fast, sample-efficient, paper]
-          --config <FILE>     TOML file with the settings that should differ; `rher config` prints all
-                              of them
-          --set <KEY=VALUE>   One setting, as in `--set agent.discount=0.98`; may be repeated; `--set
-                              help` lists them
-          --method <METHOD>   What is trained [default: rher] [possible values: rher, her]
-          --seed <N>          Seed of every random draw
-          --env-steps <N>     End after this many environment steps; evaluations do not count
-          --until <RATE>      End at the second evaluation running with at least this success rate; 0
-                              never does
-          --engine <NAME>     Who does the arithmetic of the networks [possible values: burn, fused]
-          --envs <N>          Step this many environments side by side between updates: part of the
-                              experiment
-          --workers <N>       Threads that do the work; never part of the result [default: one for each
+          --config <FILE>     TOML file with settings to change; `rher config` prints all of them
+          --set <KEY=VALUE>   A setting to change, as in `--set agent.discount=0.98`; may be repeated
+          --method <METHOD>   Training method [default: rher] [possible values: rher, her]
+          --seed <N>          Seed of all random numbers of the run
+          --env-steps <N>     End after this many environment steps of training; evaluations do not
+                              count
+          --until <RATE>      End after two consecutive evaluations with at least this success rate; 0
+                              never ends the run
+          --engine <NAME>     Compute engine of the networks [possible values: burn, fused]
+          --envs <N>          Number of environments that step side by side between updates; it changes
+                              the result
+          --workers <N>       Number of threads, which never changes the result [default: one for each
                               core]
-          --out <DIR>         Run folder to make; by default `runs/<TASK>-<METHOD>-<PRESET>-<SEED>`
-          --record-every <N>  Record every N-th training episode, the first one included, for Foxglove
-          --tensorboard       Write event files for `tensorboard --logdir runs`: what `metrics.jsonl`
-                              holds
-          --resume <DIR>      Go on with the run in this folder, as if it had never stopped
-      -q, --quiet             Tell errors only
+          --out <DIR>         Run folder to create; by default `runs/<TASK>-<METHOD>-<PRESET>-<SEED>`
+          --record-every <N>  Record every N-th training episode for Foxglove, beginning with the first
+          --tensorboard       Write event files for `tensorboard --logdir runs`, with the numbers of
+                              `metrics.jsonl`
+          --resume <DIR>      Resume the run in this folder, as if it had never stopped
+      -q, --quiet             Print errors only
     ");
 }
 

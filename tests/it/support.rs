@@ -56,8 +56,15 @@ impl Rher {
 
     /// Starts it and lets it run.
     pub(crate) fn spawn(&self, arguments: &str) -> Running {
-        let mut command = self.command(arguments);
-        command.stdout(Stdio::piped()).stderr(Stdio::piped());
+        // Whoever started the tests in the background of a script ignores Ctrl-C.
+        let mut command = Command::new("env");
+        command
+            .current_dir(self.folder.path())
+            .args(["--default-signal=INT,HUP,TERM", env!("CARGO_BIN_EXE_rher")])
+            .args(arguments.split_whitespace())
+            .stdin(Stdio::null())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped());
         Running(Some(command.spawn().unwrap()))
     }
 
