@@ -216,13 +216,14 @@ fn shares_end_where_they_should() {
     assert_eq!([action(0.5), action(0.5 - 1e-6)], [1.0, -1.0]);
 }
 
-/// Without permutations a batch is the same whether the environment has some or none.
+/// Without permutations a batch is the same, whether it is the setting or the environment that has
+/// none: nothing is drawn for them.
 #[test]
 fn a_share_of_no_permutations_draws_nothing() {
     let same = |from| SignedIndex { from, sign: 1.0, offset: 0.0 };
     let permutation = Permutation { order: [1, 0], observation: vec![same(1), same(0)] };
-    let relay = RelayConfig { exchange: 0.0, ..relay(2) };
-    let draw = |permutations| {
+    let draw = |exchange, permutations| {
+        let relay = RelayConfig { exchange, ..relay(2) };
         let spec = EnvSpec::<2> { permutations, ..EnvSpec::new("draws", 2, 1, STEPS) };
         let encoder = InputEncoder::new(&relay, &spec);
         let mut replay = Replay::new(&spec, STEPS);
@@ -233,7 +234,8 @@ fn a_share_of_no_permutations_draws_nothing() {
         Relabeler::new(&relay, &spec).draw(&replay, &encoder, stage, &mut batch, 0..20, rng);
         batch
     };
-    assert_eq!(draw(vec![permutation]), draw(Vec::new()));
+    assert_eq!(draw(0.0, vec![permutation]), draw(0.0, Vec::new()));
+    assert_eq!(draw(0.5, Vec::new()), draw(0.0, Vec::new()), "nor where there are none");
 }
 
 /// The normalizer sees every step once, with a goal of every sub-task: what the task asked for, or
