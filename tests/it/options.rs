@@ -61,7 +61,7 @@ fn options_that_do_not_fit_are_told() {
     exit 2
     error: `task.name` cannot be changed by --set
 
-    hint: name the task itself: `rher train push`
+    hint: give the task itself, as in `rher train push`
     ");
 }
 

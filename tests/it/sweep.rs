@@ -48,7 +48,7 @@ fn a_wrong_grid_starts_nothing() {
     let rher = Rher::new();
     assert_snapshot!(rher.run("sweep reach --set relay.mirror=0,2 --out grid"), @"
     exit 2
-    error: --set: `relay.mirror` is 2, expected 0 to 1
+    error: --set: `relay.mirror` is 2.0, expected a number from 0 to 1
 
     hint: `rher config <TASK>` prints every setting with its value
     ");

@@ -1,14 +1,5 @@
 //! Settings that have one of a few named values.
 
-/// One value of a setting that has one of a few.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Choice {
-    /// Name in files and on the command line.
-    pub name: &'static str,
-    /// Lines of its documentation.
-    pub doc: &'static [&'static str],
-}
-
 /// Declares an enum whose variants have names in files, and keeps their documentation at run time.
 macro_rules! choices {
     (
@@ -28,8 +19,8 @@ macro_rules! choices {
             pub const ALL: &'static [Self] = &[$(Self::$variant),+];
 
             /// The names of all values and their documentation.
-            pub const CHOICES: &'static [$crate::choice::Choice] = &[
-                $($crate::choice::Choice { name: $text, doc: &[$($doc),*] }),+
+            pub const CHOICES: &'static [$crate::setting::Choice] = &[
+                $($crate::setting::Choice { name: $text, doc: &[$($doc),*] }),+
             ];
 
             /// Name in files and on the command line.
@@ -37,6 +28,14 @@ macro_rules! choices {
                 match self {
                     $(Self::$variant => $text,)+
                 }
+            }
+        }
+
+        impl $crate::setting::Value for $name {
+            const KIND: $crate::setting::Kind = $crate::setting::Kind::Choice(Self::CHOICES);
+
+            fn fits(&self, _: $crate::setting::Range) -> bool {
+                true
             }
         }
     };

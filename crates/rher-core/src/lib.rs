@@ -214,6 +214,7 @@ pub mod relabel;
 pub mod replay;
 #[doc(hidden)]
 pub mod seed;
+mod setting;
 mod symmetry;
 pub mod testing;
 #[cfg(feature = "train")]

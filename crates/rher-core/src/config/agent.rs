@@ -1,8 +1,8 @@
 //! Settings of the learner.
 
-use super::Range;
 use super::declare::settings;
 use crate::choice::choices;
+use crate::setting::Range;
 
 choices! {
     /// Compute engine of the networks.

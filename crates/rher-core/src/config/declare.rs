@@ -53,24 +53,24 @@ macro_rules! settings {
             pub const DOC: &'static [&'static str] = &[$($about),*];
 
             /// Its settings, without those of its sections.
-            pub const SETTINGS: &'static [$crate::config::Setting] = &[
-                $($crate::config::Setting {
+            pub const SETTINGS: &'static [$crate::setting::Setting] = &[
+                $($crate::setting::Setting {
                     key: concat!($prefix, stringify!($field)),
                     doc: &[$($doc),*],
-                    kind: <$type as $crate::config::Value>::KIND,
-                    range: settings!(@first $($range,)? $crate::config::Range::Any),
+                    kind: <$type as $crate::setting::Value>::KIND,
+                    range: settings!(@first $($range,)? $crate::setting::Range::Any),
                 },)*
             ];
 
             $(
                 /// The parts of a settings file, without what is set about the environments.
-                pub const SECTIONS: &'static [$crate::config::Section] = &[
-                    $crate::config::Section {
+                pub const SECTIONS: &'static [$crate::setting::Section] = &[
+                    $crate::setting::Section {
                         name: "",
                         doc: Self::DOC,
                         settings: Self::SETTINGS,
                     },
-                    $($crate::config::Section {
+                    $($crate::setting::Section {
                         name: stringify!($section),
                         doc: <$section_type>::DOC,
                         settings: <$section_type>::SETTINGS,
@@ -94,7 +94,7 @@ macro_rules! settings {
             }
 
             /// Shows every setting and its value to `visitor`, in the order of the file.
-            pub fn visit<V: $crate::config::SettingVisitor>(
+            pub fn visit<V: $crate::setting::SettingVisitor>(
                 &self,
                 visitor: &mut V,
             ) -> Result<(), V::Error> {

@@ -1,7 +1,7 @@
 //! Settings of evaluation.
 
-use super::Range;
 use super::declare::settings;
+use crate::setting::Range;
 
 settings! {
     /// Evaluation: the policy without exploration on fixed episodes, judged at their last step.

@@ -1,8 +1,8 @@
 //! Settings of exploration.
 
-use super::Range;
 use super::declare::settings;
 use crate::choice::choices;
+use crate::setting::Range;
 
 choices! {
     /// Which policy acts before the object is reached: the cases of the paper's Table I.

@@ -1,10 +1,10 @@
 //! Settings of the relay and of hindsight.
 
-use super::Range;
 use super::declare::settings;
 use crate::choice::choices;
 use crate::env::EnvSpec;
 use crate::goal::{LaterObjects, Tolerances};
+use crate::setting::Range;
 
 choices! {
     /// Training method.

@@ -1,8 +1,8 @@
 //! Settings of the replay buffer and of updates.
 
-use super::Range;
 use super::declare::settings;
 use crate::choice::choices;
+use crate::setting::Range;
 
 choices! {
     /// How the sub-tasks share an update.

@@ -1,6 +1,7 @@
 //! Checks that settings are in their ranges.
 
-use super::{Setting, SettingVisitor, TrainConfig, VERSION, Value};
+use super::{TrainConfig, VERSION};
+use crate::setting::{Setting, SettingVisitor, Value};
 
 /// A setting is outside its range.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -1,9 +1,11 @@
 //! Every setting in words, from its declaration.
 
-use super::file::NAME;
 use rher_core::config::{Choice, Kind, Section, Setting, TrainConfig};
 use rher_envs::{Randomize, Task};
 use std::fmt::Write as _;
+
+/// Key of the task's name.
+pub(super) const NAME: &str = "task.name";
 
 /// A setting in words.
 #[derive(Clone, Debug, PartialEq)]

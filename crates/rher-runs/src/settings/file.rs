@@ -1,6 +1,6 @@
 //! A settings file: what it sets, and where.
 
-use super::describe::expected;
+use super::describe::{NAME, expected};
 use super::error::{Origin, Place, SettingsError, Source};
 use rher_core::config::{Preset, VERSION};
 use serde::Deserialize;
@@ -12,9 +12,6 @@ use toml::de::{DeTable, DeValue, ValueDeserializer};
 
 /// Largest settings file in bytes; those of `rher config --explain` have about 20 kB.
 pub const LARGEST_FILE: u64 = 1 << 20;
-
-/// Key of the task's name.
-pub(super) const NAME: &str = "task.name";
 
 /// Deepest section of a settings file; whatever is below it is unknown.
 const DEEPEST: usize = 3;

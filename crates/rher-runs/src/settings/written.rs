@@ -78,7 +78,7 @@ pub(super) fn lines(settings: &Settings) -> Result<Vec<(String, String)>, Error>
     let (sections, top): (Vec<_>, Vec<_>) =
         values.into_iter().partition(|(key, _)| key.contains('.'));
     let (task, mut lines): (Vec<_>, Vec<_>) = top.into_iter().partition(|(key, _)| key == "task");
-    lines.extend(task.into_iter().map(|(_, name)| (super::file::NAME.to_owned(), name)));
+    lines.extend(task.into_iter().map(|(_, name)| (describe::NAME.to_owned(), name)));
     for (name, value) in &options.task.0 {
         lines.push((format!("task.{name}"), written(value)?));
     }

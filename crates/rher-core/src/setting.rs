@@ -1,7 +1,5 @@
 //! What is known about a setting: its key, its type, its range and its documentation.
 
-use crate::choice::Choice;
-use crate::goal::LaterObjects;
 use serde::Serialize;
 use std::fmt;
 
@@ -70,6 +68,15 @@ pub enum Kind {
     Widths,
     /// One of a few names.
     Choice(&'static [Choice]),
+}
+
+/// One value of a setting that has one of a few.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Choice {
+    /// Name in files and on the command line.
+    pub name: &'static str,
+    /// Lines of its documentation.
+    pub doc: &'static [&'static str],
 }
 
 /// Range of a number, or of each number in a list.
@@ -202,32 +209,6 @@ impl Value for Vec<usize> {
         (1..=MOST_LAYERS).contains(&self.len()) && self.iter().all(|width| width.fits(range))
     }
 }
-
-macro_rules! choice_values {
-    ($($choice:ty),+ $(,)?) => {
-        $(impl Value for $choice {
-            const KIND: Kind = Kind::Choice(Self::CHOICES);
-
-            fn fits(&self, _: Range) -> bool {
-                true
-            }
-        })+
-    };
-}
-
-choice_values!(
-    super::Preset,
-    super::Method,
-    super::GoalFrame,
-    super::ObjectOrder,
-    super::TrainPolicy,
-    super::TestPolicy,
-    super::BatchMode,
-    super::EngineKind,
-    super::Init,
-    super::TargetEvery,
-    LaterObjects,
-);
 
 /// Looks at settings and their values, one after the other.
 pub trait SettingVisitor {

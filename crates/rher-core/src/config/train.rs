@@ -1,0 +1,79 @@
+//! Settings of a whole run.
+
+use super::declare::settings;
+use super::{AgentConfig, EvaluationConfig, ExplorationConfig, Preset, RelayConfig, ReplayConfig};
+use crate::setting::Range;
+
+/// Version of the settings' format; a file of another version is refused.
+pub const VERSION: u32 = 1;
+
+settings! {
+    /// Settings of the whole run.
+    pub struct TrainConfig in "", from start {
+        /// Version of this format.
+        pub version: u32 {
+            paper: VERSION,
+        }
+        /// Name of the environment.
+        pub task: String {
+            paper: start.task.to_owned(),
+        }
+        /// Preset that the other settings start from.
+        pub preset: Preset {
+            paper: start.preset,
+        }
+        /// Seed of every random draw. The same seed and settings give the same policy.
+        pub seed: u64 {
+            range: Range::TOML,
+            paper: 1,
+        }
+        /// Budget in environment steps, after which training ends. Steps of evaluations do not
+        /// count.
+        pub env_steps: u64 {
+            range: Range::AtLeast(1),
+            paper: match start.objects {
+                1 => 1_000_000,
+                2 => 1_200_000,
+                _ => 4_200_000,
+            },
+            fast: match start.objects {
+                1 => 300_000,
+                2 => 1_200_000,
+                _ => 2_400_000,
+            },
+        }
+        /// Success rate at which training ends early. Training ends once two consecutive
+        /// evaluations have at least this success rate in the last sub-task; with 0 it never ends
+        /// early.
+        pub until: f32 {
+            range: Range::Share,
+            paper: 0.95,
+        }
+        /// Number of environments that are stepped side by side between updates. The number of
+        /// updates grows with it. 1 is the paper's single process, 19 its multi-process setting.
+        pub envs: usize {
+            range: Range::Between(1, 4096),
+            paper: 1,
+        }
+        sections {
+            pub relay: RelayConfig,
+            pub exploration: ExplorationConfig,
+            pub replay: ReplayConfig,
+            pub agent: AgentConfig,
+            pub evaluation: EvaluationConfig,
+        }
+        unwritten {
+            /// Number of objects that the preset was asked for; `None` in settings read from a
+            /// file, which take it from their task.
+            pub objects: Option<usize> = Some(start.objects),
+        }
+    }
+}
+
+impl TrainConfig {
+    /// Whether a run has solved its task: both of the last two evaluations reached `until`, and
+    /// `until` is not 0.
+    pub fn is_solved(&self, last_two: [f32; 2]) -> bool {
+        self.until > 0.0 && last_two.into_iter().all(|rate| rate >= self.until)
+    }
+}
