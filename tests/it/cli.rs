@@ -98,7 +98,8 @@ fn training_help_teaches() {
           --preset <PRESET>   Preset to start from; `fast` also applies the recipe of the task [default:
                               fast] [possible values: fast, sample-efficient, paper]
           --config <FILE>     TOML file with settings to change; `rher config` prints all of them
-          --set <KEY=VALUE>   A setting to change, as in `--set agent.discount=0.98`; may be repeated
+          --set <KEY=VALUE>   A setting to change, as in `--set agent.discount=0.98`; may be repeated;
+                              `--set help` lists them
           --method <METHOD>   Training method [default: rher] [possible values: rher, her]
           --seed <N>          Seed of all random numbers of the run
           --env-steps <N>     End after this many environment steps of training; evaluations do not
@@ -301,7 +302,7 @@ fn wrong_settings_in_a_file_are_shown_with_their_place() {
     exit 3
     error: run.toml:1:1: the file is for task `reach`, not `push`
 
-    hint: `rher train reach`, or delete that line
+    hint: `rher train reach` trains it; or delete that line
     ");
     assert_snapshot!(config("preset = \"slow\"\n"), @r#"
     exit 3

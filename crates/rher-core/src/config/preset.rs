@@ -1,6 +1,5 @@
 //! Named starting points for the settings of a run.
 
-use super::{AgentConfig, TrainConfig};
 use crate::choice::choices;
 
 choices! {
@@ -29,26 +28,6 @@ choices! {
         /// their multi-object code, but with the mean squared action as penalty and with every
         /// sub-task trained.
         Paper = "paper",
-    }
-}
-
-impl Preset {
-    /// The settings of this preset for a task with `objects` objects.
-    pub fn config(self, task: &str, objects: usize) -> TrainConfig {
-        let single = objects == 1;
-        TrainConfig::starting_from(&Start { task, preset: self, objects, single })
-    }
-}
-
-impl AgentConfig {
-    /// TD3 with the settings of the authors' multi-object code.
-    pub fn td3() -> Self {
-        Preset::Paper.config("", 2).agent
-    }
-
-    /// DDPG with the settings of the authors' single-object code.
-    pub fn ddpg() -> Self {
-        Preset::Paper.config("", 1).agent
     }
 }
 

@@ -1,6 +1,7 @@
 //! Settings of a whole run.
 
 use super::declare::settings;
+use super::preset::Start;
 use super::{AgentConfig, EvaluationConfig, ExplorationConfig, Preset, RelayConfig, ReplayConfig};
 use crate::setting::Range;
 
@@ -75,5 +76,25 @@ impl TrainConfig {
     /// `until` is not 0.
     pub fn is_solved(&self, last_two: [f32; 2]) -> bool {
         self.until > 0.0 && last_two.into_iter().all(|rate| rate >= self.until)
+    }
+}
+
+impl Preset {
+    /// The settings of this preset for a task with `objects` objects.
+    pub fn config(self, task: &str, objects: usize) -> TrainConfig {
+        let single = objects == 1;
+        TrainConfig::starting_from(&Start { task, preset: self, objects, single })
+    }
+}
+
+impl AgentConfig {
+    /// TD3 with the settings of the authors' multi-object code.
+    pub fn td3() -> Self {
+        Preset::Paper.config("", 2).agent
+    }
+
+    /// DDPG with the settings of the authors' single-object code.
+    pub fn ddpg() -> Self {
+        Preset::Paper.config("", 1).agent
     }
 }
