@@ -85,3 +85,30 @@ impl Normalizer {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn damaged_statistics_are_noticed() {
+        assert!(Normalizer::new(3).is_consistent(3));
+        assert!(!Normalizer::new(3).is_consistent(2));
+        let damage: [fn(&mut Normalizer); 9] = [
+            |it| it.inverse_deviation[1] = 0.0,
+            |it| it.inverse_deviation[1] = -1.0,
+            |it| it.inverse_deviation[1] = f32::INFINITY,
+            |it| it.inverse_deviation.truncate(2),
+            |it| it.mean[0] = f32::NAN,
+            |it| it.sums.push(0.0),
+            |it| it.squares.truncate(2),
+            |it| it.count = -1.0,
+            |it| it.count = f64::INFINITY,
+        ];
+        for (index, damage) in damage.iter().enumerate() {
+            let mut statistics = Normalizer::new(3);
+            damage(&mut statistics);
+            assert!(!statistics.is_consistent(3), "damage {index}");
+        }
+    }
+}
