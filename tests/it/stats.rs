@@ -56,10 +56,10 @@ fn stats_say_how_soon_how_often_and_how_sure() {
 
     Probability of improvement
 
-    task  a run of   over one of  higher final success  95 % in fewer steps  95 % in less time
-    push  rher fast  her fast     100 %                 83 %                 83 %
+    task  a run of   better than one of  higher final success  95 % in fewer steps  95 % in less time
+    push  rher fast  her fast            100 %                 83 %                 83 %
 
-    In brackets: 95 % bootstrap intervals over runs; a single run has none. Times are of the median run.
+    In brackets: 95 % bootstrap intervals over runs, where there are several. Times are those of the median run.
     ");
 }
 
