@@ -149,6 +149,7 @@ fn every_configuration_goes_round() {
 fn settings_explain_themselves() {
     let rher = Rher::new();
     let list = rher.ok("train --set help");
+    assert!(list.starts_with("Every setting"), "{list}");
     assert!(list.contains("\n  agent.target_rate "), "{list}");
     let short = rher.ok("config push");
     assert!(

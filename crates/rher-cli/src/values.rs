@@ -76,8 +76,10 @@ impl TypedValueParser for AssignmentOrHelp {
         value: &OsStr,
     ) -> Result<Assignment, clap::Error> {
         if value == "help" {
-            let list = rher_runs::settings::list();
-            return Err(clap::Error::raw(clap::error::ErrorKind::DisplayHelp, list));
+            // An error that is made by hand would be printed as one.
+            let list = clap::Command::new("help").override_help(rher_runs::settings::list());
+            let help = list.try_get_matches_from(["help", "--help"]);
+            return Err(help.expect_err("it is asked for help"));
         }
         let parser = StringValueParser::new().try_map(|text| text.parse::<Assignment>());
         parser.parse_ref(command, arg, value)
