@@ -386,7 +386,7 @@ pub(crate) struct ExportArgs {
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
 
-    /// Identity of a Minari dataset, as in `rher/push-v1` [default: rher/<TASK>-v0]
+    /// Identity of a Minari dataset, as in `rher/push-v1` (by default, that of the task)
     #[arg(long, value_name = "ID")]
     pub(crate) dataset_id: Option<DatasetId>,
 
