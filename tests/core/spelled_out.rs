@@ -275,7 +275,7 @@ fn a_run_is_its_loop_spelled_out() {
         let lines: Vec<Metrics> = lines.0.into_iter().map(timeless).collect();
         assert_eq!(lines, expected);
         assert!(
-            *trainer.policy() == policy,
+            *trainer.policy() == policy.of_run(trainer.id()),
             "{batch_mode:?}, targets with every {target_every:?}, {method:?}, {envs} environments"
         );
     }

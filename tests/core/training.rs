@@ -37,6 +37,7 @@ impl Observer for Diary {
                 self.metrics.push((**metrics).clone());
             }
             Event::Explored(log) => self.logs.push((**log).clone()),
+            Event::Saving => {}
             Event::Saved => self.lines.push_str("saved\n"),
             other => panic!("{other:?} is new here"),
         }

@@ -13,6 +13,8 @@ pub enum Event {
     Progress(Progress),
     /// An evaluation ended.
     Evaluated(Box<Metrics>),
+    /// A checkpoint is about to be written; an error of the observer prevents it.
+    Saving,
     /// A checkpoint is on disk.
     Saved,
 }

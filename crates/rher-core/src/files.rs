@@ -2,7 +2,7 @@
 
 use std::fmt;
 use std::fs::File;
-use std::io::{self, Write as _};
+use std::io::{self, Read as _, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -48,6 +48,39 @@ impl FileError {
     }
 }
 
+/// The bytes of a file that has at most `largest` of them, which a file that never ends has not.
+///
+/// # Errors
+///
+/// Those of the operating system, and [`io::ErrorKind::FileTooLarge`].
+pub fn read_at_most(path: &Path, largest: u64) -> Result<Vec<u8>, FileError> {
+    read_from(path, 0, |_| true, largest)
+}
+
+/// The same for a file whose first `start` bytes tell whether it is one that is meant: if it is
+/// not, only these are read.
+pub(crate) fn read_from(
+    path: &Path,
+    start: u64,
+    is_meant: impl Fn(&[u8]) -> bool,
+    largest: u64,
+) -> Result<Vec<u8>, FileError> {
+    let read = || {
+        let (mut bytes, file) = (Vec::new(), File::open(path)?);
+        (&file).take(start).read_to_end(&mut bytes)?;
+        if !is_meant(&bytes) {
+            return Ok(bytes);
+        }
+        (&file).take((largest - start).saturating_add(1)).read_to_end(&mut bytes)?;
+        if bytes.len() as u64 > largest {
+            let problem = format!("it has more than the {largest} bytes that are expected");
+            return Err(io::Error::new(io::ErrorKind::FileTooLarge, problem));
+        }
+        Ok(bytes)
+    };
+    read().map_err(FileError::read(path))
+}
+
 /// Writes `bytes` to `path`: to a new file in the same folder, synced, then renamed, so that the
 /// file is complete or as it was before.
 ///
@@ -59,7 +92,7 @@ pub fn replace(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
     let written = create_beside(folder).and_then(|(mut file, new)| {
         let written = file
             .write_all(bytes)
-            .and_then(|()| file.sync_all())
+            .and_then(|()| sync(&file))
             .and_then(|()| std::fs::rename(&new, path));
         written.inspect_err(|_| {
             // The error that matters is the one before.
@@ -70,12 +103,35 @@ pub fn replace(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
     sync_folder(folder)
 }
 
+/// How the names of files that [`replace`] has not renamed yet begin and end.
+const UNFINISHED: (&str, &str) = (".rher-", ".new");
+
+/// Removes the files in `folder` that a killed process did not finish. Nobody else may be writing
+/// there.
+///
+/// # Errors
+///
+/// If the operating system refuses to list or to remove them.
+pub fn remove_unfinished(folder: &Path) -> Result<(), FileError> {
+    let (start, end) = UNFINISHED;
+    for entry in std::fs::read_dir(folder).map_err(FileError::read(folder))? {
+        let entry = entry.map_err(FileError::read(folder))?;
+        let name = entry.file_name();
+        let is_ours = |name: &str| name.starts_with(start) && name.ends_with(end);
+        if name.to_str().is_some_and(is_ours) {
+            std::fs::remove_file(entry.path()).map_err(FileError::write(&entry.path()))?;
+        }
+    }
+    Ok(())
+}
+
 /// A new file with a short name that no other process or thread uses.
 fn create_beside(folder: &Path) -> io::Result<(File, PathBuf)> {
     static NEXT: AtomicU64 = AtomicU64::new(0);
     loop {
         let number = NEXT.fetch_add(1, Ordering::Relaxed);
-        let path = folder.join(format!(".rher-{}-{number}.new", std::process::id()));
+        let (start, end) = UNFINISHED;
+        let path = folder.join(format!("{start}{}-{number}{end}", std::process::id()));
         match File::create_new(&path) {
             // Another machine or a killed process may have used the same number.
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
@@ -84,9 +140,26 @@ fn create_beside(folder: &Path) -> io::Result<(File, PathBuf)> {
     }
 }
 
+/// Makes what was written to a file or a folder durable, where the file system can do that: some
+/// network file systems cannot, and then nothing can be done about it here.
+///
+/// # Errors
+///
+/// If the operating system says that something may not be on disk.
+pub fn sync(file: &File) -> io::Result<()> {
+    match file.sync_all() {
+        Err(error) if is_unsupported(&error) => Ok(()),
+        synced => synced,
+    }
+}
+
+fn is_unsupported(error: &io::Error) -> bool {
+    matches!(error.kind(), io::ErrorKind::Unsupported | io::ErrorKind::InvalidInput)
+}
+
 /// Makes the renames in a folder durable.
 pub(crate) fn sync_folder(folder: &Path) -> Result<(), FileError> {
-    File::open(folder).and_then(|folder| folder.sync_all()).map_err(FileError::write(folder))
+    File::open(folder).and_then(|folder| sync(&folder)).map_err(FileError::write(folder))
 }
 
 fn folder(path: &Path) -> &Path {

@@ -227,9 +227,9 @@ pub use episode::{ActError, Episode, RolloutError, View, rollout};
 pub use evaluate::{Evaluation, evaluate};
 pub use event::{Event, Metrics, Observer, ObserverError};
 pub use goal::{Achieved, Desired, EncodedGoal, Leg, Position, Scene, Stage, Tolerances};
-pub use policy::{Actor, Mismatch, Policy, PolicyError, PolicyInfo};
+pub use policy::{Actor, Mismatch, Policy, PolicyError, PolicyInfo, RunId};
 #[cfg(feature = "train")]
-pub use train::{Finish, TrainError, Trainer};
+pub use train::{Finish, TrainError, Trainer, run_id};
 
 /// The crate whose points are [`Position`]s.
 pub use nalgebra;

@@ -22,6 +22,12 @@ impl Curriculum {
         }
     }
 
+    /// How many sub-tasks there are.
+    #[cfg(feature = "train")]
+    pub(crate) fn subtasks(&self) -> usize {
+        self.rates.len()
+    }
+
     /// Takes in the success rates of one evaluation; `None` where nothing was evaluated.
     pub fn record(&mut self, success: &[Option<f32>]) {
         for (rates, rate) in self.rates.iter_mut().zip(success) {

@@ -5,6 +5,7 @@
 
 use super::info::PolicyInfo;
 use super::model::Policy;
+use super::run_id::RunId;
 use crate::files::{self, FileError};
 use crate::input::InputEncoder;
 use crate::learner::network::Shape;
@@ -18,6 +19,12 @@ const VERSION: u32 = 2;
 
 /// The last version without a checksum, which is still read.
 const WITHOUT_CHECKSUM: u32 = 1;
+
+/// Largest file in bytes.
+const LARGEST: u64 = 1 << 30;
+
+/// Largest header in bytes: that of a policy has about 10 kB.
+const LARGEST_HEADER: u64 = 1 << 20;
 
 /// What stands before the checksum, as the header of the file has it: JSON in a string of JSON.
 const BEFORE_CHECKSUM: &[u8] = br#"\"crc32\":\""#;
@@ -34,6 +41,8 @@ struct Metadata {
     #[serde(default)]
     crc32: String,
     version: u32,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    run: Option<RunId>,
     #[serde(rename = "about")]
     info: PolicyInfo,
     shape: Shape,
@@ -67,7 +76,10 @@ impl Policy {
 
     /// Reads a policy from a file.
     pub fn load(path: &Path) -> Result<Self, PolicyError> {
-        let file = std::fs::read(path).map_err(FileError::read(path))?;
+        let starts_right = |start: &[u8]| {
+            header_length(start).is_some_and(|length| (1..=LARGEST_HEADER).contains(&length))
+        };
+        let file = files::read_from(path, 8, starts_right, LARGEST)?;
         Self::from_bytes(&file, path)
     }
 
@@ -77,6 +89,7 @@ impl Policy {
         let metadata = Metadata {
             crc32: NO_CHECKSUM.to_owned(),
             version: VERSION,
+            run: self.run,
             info: self.info.clone(),
             shape: self.shape.clone(),
             encoder: self.encoder.clone(),
@@ -100,6 +113,11 @@ impl Policy {
     /// Reads what [`to_bytes`](Self::to_bytes) wrote; an error calls it `path`.
     pub fn from_bytes(file: &[u8], path: &Path) -> Result<Self, PolicyError> {
         let malformed = |problem: String| PolicyError::Malformed { path: path.to_owned(), problem };
+        if let Some(length) = header_length(file).filter(|length| *length > LARGEST_HEADER) {
+            return Err(malformed(format!(
+                "its header has {length} bytes, expected at most {LARGEST_HEADER}"
+            )));
+        }
         let (_, header) =
             SafeTensors::read_metadata(file).map_err(|error| malformed(error.to_string()))?;
         let description = header
@@ -107,7 +125,7 @@ impl Policy {
             .as_ref()
             .and_then(|metadata| metadata.get(METADATA))
             .ok_or_else(|| malformed(format!("its metadata has no `{METADATA}`")))?;
-        let Metadata { crc32: _, version, info, shape, encoder } =
+        let Metadata { crc32: _, version, run, info, shape, encoder } =
             serde_json::from_str(description)
                 .map_err(|error| malformed(format!("its metadata: {error}")))?;
         match version {
@@ -145,13 +163,13 @@ impl Policy {
             let (numbers, _) = view.data().as_chunks::<4>();
             parameters.extend(numbers.iter().map(|bytes| f32::from_le_bytes(*bytes)));
         }
-        let policy = Self { info, encoder, shape, parameters };
+        let policy = Self { info, encoder, shape, parameters, run };
         policy.check_widths().map_err(malformed)?;
         Ok(policy)
     }
 
     fn check_widths(&self) -> Result<(), String> {
-        let Self { info, encoder, shape, parameters } = self;
+        let Self { info, encoder, shape, parameters, run: _ } = self;
         let facts = [
             ("network input", shape.inputs, encoder.width()),
             ("action", shape.outputs, info.action_dim),
@@ -178,9 +196,14 @@ impl Policy {
     }
 }
 
+/// Bytes of a file's header, as its first eight bytes say.
+fn header_length(file: &[u8]) -> Option<u64> {
+    Some(u64::from_le_bytes(*file.first_chunk()?))
+}
+
 /// Where the digits of the checksum stand in a file.
 fn checksum_place(file: &[u8]) -> Option<std::ops::Range<usize>> {
-    let length = u64::from_le_bytes(*file.first_chunk()?);
+    let length = header_length(file)?;
     let header = file.get(8..8_usize.checked_add(usize::try_from(length).ok()?)?)?;
     let is_entry = |window: &[u8]| window == BEFORE_CHECKSUM;
     let start = header.windows(BEFORE_CHECKSUM.len()).position(is_entry)?;

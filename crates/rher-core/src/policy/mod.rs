@@ -5,9 +5,11 @@ mod critic;
 mod file;
 mod info;
 mod model;
+mod run_id;
 
 pub use actor::Actor;
 pub use critic::Critic;
 pub use file::PolicyError;
 pub use info::{Mismatch, PolicyInfo};
 pub use model::Policy;
+pub use run_id::{NoRunId, RunId};

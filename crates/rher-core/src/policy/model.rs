@@ -1,6 +1,7 @@
 //! The frozen policy.
 
 use super::info::PolicyInfo;
+use super::run_id::RunId;
 use crate::input::InputEncoder;
 use crate::learner::network::Shape;
 
@@ -29,6 +30,7 @@ pub struct Policy {
     pub(super) encoder: InputEncoder,
     pub(super) shape: Shape,
     pub(super) parameters: Vec<f32>,
+    pub(super) run: Option<RunId>,
 }
 
 impl Policy {
@@ -39,12 +41,23 @@ impl Policy {
         shape: Shape,
         parameters: Vec<f32>,
     ) -> Self {
-        Self { info, encoder, shape, parameters }
+        Self { info, encoder, shape, parameters, run: None }
+    }
+
+    /// The same policy, which knows the run that it is of.
+    #[must_use]
+    pub fn of_run(self, run: RunId) -> Self {
+        Self { run: Some(run), ..self }
     }
 
     /// What it was trained for.
     pub fn info(&self) -> &PolicyInfo {
         &self.info
+    }
+
+    /// The run that it is of; `None` where it is of none, and in files of earlier versions.
+    pub fn run(&self) -> Option<RunId> {
+        self.run
     }
 
     /// What the network sees.

@@ -38,6 +38,9 @@ const VERSION: u32 = 5;
 const HEADER: usize = MAGIC.len() + 4 + 8 + 4;
 const EPISODES_PER_FILE: u64 = 1000;
 
+/// Largest `.ckpt` file in bytes.
+const LARGEST: u64 = 1 << 33;
+
 /// A checkpoint could not be written or read.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -103,6 +106,8 @@ pub fn read_critic(folder: &Path) -> Result<Critic, CheckpointError> {
 
 /// Writes a checkpoint of `state`, of `learner` and of the episodes that are not on disk yet, whose first is
 /// number `saved_episodes`.
+///
+/// `folder` must be there: one that was moved away during the run is not made again.
 pub(super) fn write<const N: usize>(
     folder: &Path,
     state: &RunState,
@@ -111,7 +116,12 @@ pub(super) fn write<const N: usize>(
     saved_episodes: u64,
 ) -> Result<(), CheckpointError> {
     let folder = folder.join(CHECKPOINT_FOLDER);
-    std::fs::create_dir_all(&folder).map_err(FileError::write(&folder))?;
+    match std::fs::create_dir(&folder) {
+        Err(error) if error.kind() != io::ErrorKind::AlreadyExists => {
+            return Err(FileError::write(&folder)(error).into());
+        }
+        _ => {}
+    }
     append_episodes(&folder, replay, saved_episodes)?;
 
     let current = folder.join(CURRENT);
@@ -152,7 +162,8 @@ pub(super) fn read_state(folder: &Path) -> Result<(RunState, LearnerState), Chec
 }
 
 fn parse_state(path: &Path) -> Result<(RunState, LearnerState), CheckpointError> {
-    let bytes = std::fs::read(path).map_err(FileError::read(path))?;
+    let is_checkpoint = |start: &[u8]| start.starts_with(&MAGIC);
+    let bytes = files::read_from(path, HEADER as u64, is_checkpoint, LARGEST)?;
     let damaged = |problem: String| CheckpointError::Damaged {
         path: path.to_owned(),
         problem,
@@ -179,7 +190,10 @@ fn parse_state(path: &Path) -> Result<(RunState, LearnerState), CheckpointError>
         let problem = format!("checksum {computed:08x}, expected {checksum:08x}");
         return Err(damaged(problem));
     }
-    postcard::from_bytes(payload).map_err(|error| damaged(error.to_string()))
+    let (state, learner): (RunState, LearnerState) =
+        postcard::from_bytes(payload).map_err(|error| damaged(error.to_string()))?;
+    state.check().and_then(|()| state.check_learner(&learner)).map_err(damaged)?;
+    Ok((state, learner))
 }
 
 fn with_last_good(error: CheckpointError, previous: &Path) -> CheckpointError {
@@ -258,7 +272,7 @@ fn append_episodes<const N: usize>(
         let part = index / EPISODES_PER_FILE;
         if open.as_ref().is_none_or(|(opened, ..)| *opened != part) {
             if let Some((_, path, file)) = open.take() {
-                file.sync_all().map_err(FileError::write(&path))?;
+                files::sync(&file).map_err(FileError::write(&path))?;
             }
             let path = episodes_file(folder, part);
             let file = OpenOptions::new().write(true).create(true).truncate(false).open(&path);
@@ -272,7 +286,7 @@ fn append_episodes<const N: usize>(
         }
     }
     match open {
-        Some((_, path, file)) => Ok(file.sync_all().map_err(FileError::write(&path))?),
+        Some((_, path, file)) => Ok(files::sync(&file).map_err(FileError::write(&path))?),
         None => Ok(()),
     }
 }

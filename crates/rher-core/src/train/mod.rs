@@ -2,6 +2,7 @@
 
 pub mod checkpoint;
 mod error;
+mod identity;
 pub mod memory;
 mod play;
 mod rows;
@@ -10,4 +11,5 @@ mod tally;
 mod trainer;
 
 pub use error::{Finish, TrainError};
+pub use identity::run_id;
 pub use trainer::Trainer;

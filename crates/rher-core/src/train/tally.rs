@@ -67,6 +67,14 @@ impl Tally {
         }
     }
 
+    pub(super) fn subtasks(&self) -> usize {
+        self.batches.len().min(self.single_reward.len())
+    }
+
+    pub(super) fn objects(&self) -> usize {
+        self.moved.len()
+    }
+
     pub(super) fn clear(&mut self) {
         *self = Self::new(self.batches.len(), self.moved.len());
     }

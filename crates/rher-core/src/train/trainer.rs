@@ -2,6 +2,7 @@
 
 use super::checkpoint::{self, CheckpointError};
 use super::error::{Finish, TrainError};
+use super::identity::run_id;
 use super::memory;
 use super::play::{Played, explore_once};
 use super::rows::SubtaskBatch;
@@ -16,13 +17,14 @@ use crate::episode::Episode;
 use crate::evaluate::{Evaluation, evaluate};
 use crate::event::{Event, Observer, Progress, Seconds};
 use crate::explore::{ActionLog, Curriculum, Decision, Explorer, Selection};
+use crate::files::FileError;
 use crate::goal::Stage;
 use crate::input::InputEncoder;
 use crate::learner::engine::Engine;
 use crate::learner::engines;
 use crate::learner::network::Shape;
 use crate::learner::state::LearnerState;
-use crate::policy::{Critic, Policy, PolicyInfo};
+use crate::policy::{Critic, Policy, PolicyInfo, RunId};
 use crate::relabel::Relabeler;
 use crate::replay::Replay;
 use crate::seed::{Purpose, Seed};
@@ -58,6 +60,7 @@ use std::time::{Duration, Instant};
 /// ```
 pub struct Trainer<const N: usize, E> {
     state: RunState,
+    id: RunId,
     envs: Vec<E>,
     pool: rayon::ThreadPool,
     stages: Vec<Stage<N>>,
@@ -181,15 +184,18 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
         let actor_shape = learner.actor.shape.clone();
         let critic_shape = learner.critics[0].shape.clone();
         let engine = engines::build(&state.config.agent, learner)?;
+        let id = run_id(&state.config, &state.info.variant);
         let policy = Policy::new(
             state.info.clone(),
             state.encoder.clone(),
             actor_shape.clone(),
             engine.actor(),
-        );
+        )
+        .of_run(id);
         let saved_episodes = replay.pushed();
         Ok(Self {
             state,
+            id,
             envs,
             pool,
             stages,
@@ -218,6 +224,11 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
     /// Changes the success rate that ends the run.
     pub fn set_until(&mut self, until: f32) {
         self.state.config.until = until;
+    }
+
+    /// Identity of the run, which is in every file of it.
+    pub fn id(&self) -> RunId {
+        self.id
     }
 
     /// How far the run is.
@@ -251,7 +262,7 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
 
     /// Trains until the run is at its end, or until `stop` is set.
     ///
-    /// With a `folder`, a checkpoint and the policy are written there before the first step, at
+    /// With a `folder`, which is made if it is not there yet, a checkpoint and the policy are written there before the first step, at
     /// every evaluation, and when stopped; stopping waits for the end of the episode. A policy there
     /// that is not that of the checkpoint, because a stop fell between the two, is written again.
     pub fn run(
@@ -261,6 +272,10 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
         stop: &AtomicBool,
     ) -> Result<Finish, TrainError> {
         if self.state.episodes == 0 {
+            if let Some(folder) = folder {
+                let made = std::fs::create_dir_all(folder).map_err(FileError::write(folder));
+                made.map_err(CheckpointError::from)?;
+            }
             self.save_to(folder, observer)?;
         } else if let Some(folder) = folder {
             self.renew_policy(folder)?;
@@ -418,7 +433,8 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
             self.state.encoder.clone(),
             self.actor_shape.clone(),
             self.engine.actor(),
-        );
+        )
+        .of_run(self.id);
         Ok(())
     }
 
@@ -464,6 +480,7 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
         observer: &mut dyn Observer,
     ) -> Result<(), TrainError> {
         if let Some(folder) = folder {
+            observer.on(&Event::Saving)?;
             self.save(folder)?;
             observer.on(&Event::Saved)?;
         }
@@ -479,7 +496,7 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
         }
     }
 
-    /// Writes a checkpoint of the whole run, and the policy, into its folder.
+    /// Writes a checkpoint of the whole run, and the policy, into its folder, which must be there.
     pub fn save(&mut self, folder: &Path) -> Result<(), TrainError> {
         let started = Instant::now();
         let learner = self.engine.state();
