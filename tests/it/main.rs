@@ -8,6 +8,7 @@ mod cli;
 mod datasets;
 mod determinism;
 mod figures;
+mod identity;
 mod learning;
 #[cfg(feature = "live")]
 mod live;

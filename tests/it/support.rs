@@ -99,6 +99,8 @@ impl Rher {
             let mut metrics: Value = serde_json::from_str(line).unwrap();
             let fields = metrics.as_object_mut().unwrap();
             assert!(fields.remove("wall_s").is_some() && fields.remove("time").is_some());
+            // The checksum is over the wall clock, too.
+            assert!(fields.remove("crc32").is_some() == fields.remove("run").is_some());
             metrics
         };
         text.lines().map(line).collect()

@@ -25,7 +25,7 @@ pub(crate) enum Status {
     Unwritable = 6,
     /// The disk is full.
     DiskFull = 7,
-    /// A checkpoint or a policy file is damaged.
+    /// A file of a run, or a policy file, is damaged.
     Damaged = 8,
     /// The environment failed.
     Environment = 9,
@@ -38,6 +38,8 @@ pub(crate) enum Status {
     /// An address cannot be listened on.
     #[cfg(feature = "live")]
     Address = 13,
+    /// The run folder was moved, deleted or replaced.
+    FolderGone = 14,
     /// Ended by SIGHUP, after saving.
     HungUp = 129,
     /// Ended by SIGINT, after saving.
@@ -63,6 +65,7 @@ impl Status {
         Self::NotReal,
         #[cfg(feature = "live")]
         Self::Address,
+        Self::FolderGone,
         Self::HungUp,
         Self::Interrupted,
         Self::Terminated,
@@ -78,13 +81,14 @@ impl Status {
             Self::RunFolder => "the run folder is in use, already holds a run, or holds none",
             Self::Unwritable => "a file or folder cannot be written",
             Self::DiskFull => "the disk is full",
-            Self::Damaged => "a checkpoint or policy file is damaged",
+            Self::Damaged => "a file of a run, or a policy file, is damaged",
             Self::Environment => "the environment failed",
             Self::NotFinite => "NaN or infinity in an environment, a policy or the learner",
             Self::Recording => "a file is not a recording, or it is cut off or damaged",
             Self::NotReal => "a recorded episode does not reproduce",
             #[cfg(feature = "live")]
             Self::Address => "the program cannot listen on an address",
+            Self::FolderGone => "the run folder was moved, deleted or replaced during the run",
             Self::HungUp => "ended by SIGHUP; the run or the recording is saved",
             Self::Interrupted => "interrupted by Ctrl-C; the run or the recording is saved",
             Self::Terminated => "ended by SIGTERM; the run or the recording is saved",

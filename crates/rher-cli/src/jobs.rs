@@ -13,7 +13,8 @@ use rher_core::files::FileError;
 use rher_core::train::checkpoint;
 use rher_envs::Task;
 use rher_runs::{
-    Evaluation, OtherSettings, RunDir, Settings, difference, read_evaluations, settings,
+    Evaluation, MetricsError, OtherSettings, RunDir, Settings, difference, read_evaluations,
+    settings,
 };
 use serde::Serialize;
 use sha2::{Digest as _, Sha256};
@@ -159,8 +160,13 @@ pub(crate) fn run(
                 }
             }
             let ended = 1 + ended.fetch_add(1, Ordering::Relaxed);
-            let found = Found::read(&folder, job);
-            printer.note(format_args!("{ended}/{}  {name}  {found}", jobs.len()));
+            match Found::read(&folder, job) {
+                Ok(found) => printer.note(format_args!("{ended}/{}  {name}  {found}", jobs.len())),
+                Err(error) => {
+                    printer.error(&error.into(), None);
+                    failed.fetch_add(1, Ordering::Relaxed);
+                }
+            }
         }
         None
     };
@@ -194,13 +200,16 @@ struct Found {
 }
 
 impl Found {
-    fn read(folder: &Path, job: &Job) -> Self {
-        let evaluations = read_evaluations(folder).unwrap_or_default();
+    fn read(folder: &Path, job: &Job) -> Result<Self, MetricsError> {
+        let evaluations = match read_evaluations(folder, None) {
+            Err(MetricsError::Missing { .. }) => Vec::new(),
+            evaluations => evaluations?,
+        };
         let rates: Vec<f32> =
             evaluations.iter().map(|evaluation| evaluation.success_final as f32).collect();
         let is_solved =
             rates.last_chunk().is_some_and(|last_two| job.settings.config.is_solved(*last_two));
-        Self { is_solved, last: evaluations.last().cloned() }
+        Ok(Self { is_solved, last: evaluations.last().cloned() })
     }
 }
 
@@ -231,8 +240,10 @@ struct Cell<'a> {
 fn summarize<'a>(jobs: &'a [Job], out: &Path) -> Vec<Cell<'a>> {
     jobs.chunk_by(|a, b| a.cell == b.cell)
         .map(|jobs| {
-            let found: Vec<_> =
-                jobs.iter().map(|job| Found::read(&out.join(job.name()), job)).collect();
+            let found: Vec<_> = jobs
+                .iter()
+                .filter_map(|job| Found::read(&out.join(job.name()), job).ok())
+                .collect();
             let solved = || found.iter().filter(|found| found.is_solved);
             let last = |found: &Found| found.last.clone();
             let measured: Vec<_> = found.iter().filter_map(last).collect();

@@ -1,15 +1,16 @@
 //! A trained policy and all that is known about it, from a run folder or a policy file.
 
-use crate::errors::ForeignTask;
+use crate::errors::{ForeignTask, OtherRun};
 use anyhow::Context as _;
 use rher_core::config::TestPolicy;
 use rher_core::files::FileError;
 use rher_core::policy::Critic;
 use rher_core::policy::Policy;
-use rher_core::train::checkpoint::{self, POLICY_FILE};
+use rher_core::train::checkpoint::{self, CheckpointError, POLICY_FILE};
+use rher_core::{RunId, run_id};
 use rher_envs::{Options, Task};
 use rher_record::RecordingInfo;
-use rher_runs::{Settings, settings};
+use rher_runs::{CONFIG_FILE, ConfigFile, Settings, settings};
 use sha2::{Digest as _, Sha256};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -34,7 +35,7 @@ impl Trained {
         let name = policy.info().task.clone();
         let task: Task = name.parse().map_err(|_| ForeignTask { name })?;
         let options = made_with(&policy.info().variant, task)?;
-        let run = folder.and_then(rher_runs::read_config);
+        let run = folder.map(|folder| settings_of(folder, &policy, task)).transpose()?.flatten();
         let folder = folder.map(Path::to_owned);
         Ok(Self { policy, task, options, file, folder, run })
     }
@@ -56,10 +57,35 @@ impl Trained {
     pub(crate) fn describe(&self, info: &mut RecordingInfo) -> anyhow::Result<()> {
         let bytes = std::fs::read(&self.file).map_err(FileError::read(&self.file))?;
         info.policy_sha256 = sha256(&bytes);
+        info.run = self.policy.run();
         if let Some(run) = &self.run {
             info.config = settings::to_toml(run)?;
         }
         Ok(())
+    }
+}
+
+/// The settings of the run in `folder`, of which `policy` must be: those in its settings file, or in
+/// its checkpoint where there is no such file; `None` in a folder that has neither.
+fn settings_of(folder: &Path, policy: &Policy, task: Task) -> anyhow::Result<Option<Settings>> {
+    let check = |file: &'static str, run: Option<RunId>| match (policy.run(), run) {
+        (Some(policy), Some(other)) if policy != other => {
+            Err(OtherRun { folder: folder.to_owned(), policy, file, other })
+        }
+        _ => Ok(()),
+    };
+    if let Some(file) = ConfigFile::read(folder)? {
+        check(CONFIG_FILE, file.run)?;
+        return Ok(Some(file.settings()?));
+    }
+    match checkpoint::read_config(folder) {
+        Ok(config) => {
+            let variant = checkpoint::read_variant(folder)?;
+            check("checkpoint", Some(run_id(&config, &variant)))?;
+            Ok(Some(Settings { config, options: made_with(&variant, task)? }))
+        }
+        Err(CheckpointError::Missing { .. }) => Ok(None),
+        Err(error) => Err(error.into()),
     }
 }
 

@@ -1,5 +1,6 @@
 //! A run whose environment is known at run time only.
 
+use rher_core::RunId;
 use rher_core::config::TrainConfig;
 use rher_core::env::Env;
 use rher_core::event::{Observer, Progress};
@@ -29,6 +30,8 @@ pub(crate) trait AnyTrainer: Send {
     fn progress(&self) -> Progress;
 
     fn evaluations(&self) -> u64;
+
+    fn id(&self) -> RunId;
 
     fn policy(&self) -> &Policy;
 }
@@ -65,6 +68,10 @@ impl<const N: usize, E: Env<N>> AnyTrainer for Trainer<N, E> {
 
     fn evaluations(&self) -> u64 {
         Self::evaluations(self)
+    }
+
+    fn id(&self) -> RunId {
+        Self::id(self)
     }
 
     fn policy(&self) -> &Policy {

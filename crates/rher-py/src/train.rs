@@ -18,8 +18,8 @@ use rher_core::train::checkpoint::{self, CheckpointError};
 use rher_core::train::{Finish, TrainError as CoreTrainError};
 use rher_envs::{Options, Task};
 use rher_runs::{
-    Asked, CONFIG_FILE, MetricsError, MetricsFile, RunDir, RunDirError, Settings,
-    SettingsError as CoreSettingsError, settings,
+    Asked, CONFIG_FILE, ConfigFile, ConfigFileError, MetricsError, MetricsFile, RunDir,
+    RunDirError, Settings, SettingsError as CoreSettingsError, settings,
 };
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -158,8 +158,9 @@ impl Trainer {
                 let trainer = trainer.map_err(|error| SettingsError::new_err(told(&error)))?;
                 (trainer.map_err(|error| from_train(&error, None))?, options)
             };
-            let metrics = MetricsFile::resume(&folder.metrics(), trainer.evaluations())
-                .map_err(|error| from_metrics(&error))?;
+            let metrics =
+                MetricsFile::resume(&folder.metrics(), trainer.id(), trainer.evaluations())
+                    .map_err(|error| from_metrics(&error))?;
             Self::ready(trainer, folder, options, raised, metrics)
         })?
     }
@@ -248,7 +249,8 @@ impl Trainer {
         options: Options,
         raised: Raised,
     ) -> PyResult<Self> {
-        let metrics = MetricsFile::create(&folder.metrics()).map_err(|error| from_write(&error))?;
+        let metrics = MetricsFile::create(&folder.metrics(), trainer.id());
+        let metrics = metrics.map_err(|error| from_write(&error))?;
         Self::ready(trainer, folder, options, raised, metrics)
     }
 
@@ -260,7 +262,7 @@ impl Trainer {
         metrics: MetricsFile,
     ) -> PyResult<Self> {
         let config = trainer.config().clone();
-        folder.write_config(&Settings { config, options }).map_err(from_run_dir)?;
+        folder.write_config(&Settings { config, options }, trainer.id()).map_err(from_run_dir)?;
         let path = folder.path().to_owned();
         let session = Session { trainer, folder, metrics, raised };
         Ok(Self { folder: path, session: Mutex::new(Some(session)) })
@@ -280,6 +282,9 @@ impl Session {
     fn run(&mut self, stop: &AtomicBool, tell: impl Fn(&Event)) -> PyResult<Finish> {
         let Self { trainer, folder, metrics, raised } = self;
         let mut observer = |event: &Event| {
+            if matches!(event, Event::Evaluated(_) | Event::Saving) {
+                folder.check().map_err(|error| ObserverError(error.into()))?;
+            }
             if let Event::Evaluated(line) = event {
                 metrics.append(line).map_err(|error| ObserverError(error.into()))?;
             }
@@ -356,14 +361,15 @@ fn as_dict<'py>(py: Python<'py>, event: &Event) -> PyResult<Bound<'py, PyDict>> 
 #[pyfunction]
 pub(crate) fn run_settings(folder: PathBuf) -> PyResult<String> {
     let path = folder.join(CONFIG_FILE);
-    let text = std::fs::read_to_string(&path).map_err(|error| {
-        FileError::new_err(format!("cannot read `{}`: {error}", path.display()))
-    })?;
-    let invalid = |error: &dyn Error| {
-        SettingsError::new_err(format!("`{}`: {}", path.display(), told(error)))
+    let damaged = |error: &dyn Error| match error.downcast_ref() {
+        Some(ConfigFileError::File(error)) => FileError::new_err(told(error)),
+        _ => SettingsError::new_err(told(error)),
     };
-    let table: toml::Table = text.parse().map_err(|error: toml::de::Error| invalid(&error))?;
-    serde_json::to_string(&table).map_err(|error| invalid(&error))
+    let file = ConfigFile::read(&folder).map_err(|error| damaged(&error))?;
+    let file = file.ok_or_else(|| {
+        FileError::new_err(format!("cannot read `{}`: there is no such file", path.display()))
+    })?;
+    serde_json::to_string(&file.into_table()).map_err(|error| damaged(&error))
 }
 
 fn parse_about(json: &str) -> PyResult<About> {

@@ -1,5 +1,6 @@
 //! The description of a recording: what all of its episodes have in common.
 
+use rher_core::RunId;
 use rher_core::env::EnvSpec;
 use rher_core::goal::Leg;
 use serde::{Deserialize, Serialize};
@@ -40,6 +41,9 @@ pub struct RecordingInfo {
     /// Sub-tasks of the task.
     #[serde(with = "as_text")]
     pub subtasks: usize,
+    /// The run that trains or that trained the policy; earlier versions did not write it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub run: Option<RunId>,
     /// Settings of the run as TOML; empty where they are not known.
     #[serde(default)]
     pub config: String,
@@ -90,6 +94,7 @@ impl RecordingInfo {
             seed,
             reach_distance,
             subtasks: spec.subtasks,
+            run: None,
             config: String::new(),
             policy_sha256: String::new(),
             rher: env!("CARGO_PKG_VERSION").to_owned(),

@@ -1,27 +1,31 @@
 //! A run's folder: where it is, who may write in it, and what lies where.
 
+use crate::config_file::{self, CONFIG_FILE};
 use crate::machine::Machine;
-use crate::settings::{self, Settings, SettingsError};
+use crate::metrics::METRICS_FILE;
+use crate::settings::{Settings, SettingsError};
+use rher_core::RunId;
 use rher_core::config::TrainConfig;
 use rher_core::files::{self, FileError};
-use rher_core::train::checkpoint::{self, CheckpointError, POLICY_FILE};
-use std::fs::{File, TryLockError};
+use rher_core::train::checkpoint::{self, CHECKPOINT_FOLDER, CheckpointError, POLICY_FILE};
+use rustix::io::Errno;
+use std::fs::{File, Metadata, TryLockError};
+use std::io;
+use std::os::unix::fs::MetadataExt as _;
 use std::path::{Path, PathBuf};
 use std::process;
 
-/// The settings of a run.
-pub const CONFIG_FILE: &str = "config.toml";
-/// One line for each evaluation.
-pub const METRICS_FILE: &str = "metrics.jsonl";
 const LOCK_FILE: &str = ".lock";
 
 /// The folder of a run, locked for as long as this value lives.
 ///
-/// The lock is the operating system's, so it dies with the process.
+/// The lock is the operating system's, so it dies with the process. Where the file system has no
+/// locks, nothing keeps another process out.
 #[derive(Debug)]
 pub struct RunDir {
     path: PathBuf,
     lock: File,
+    is_guarded: bool,
     /// The process that holds the lock: a forked one only has a copy of it.
     process: u32,
 }
@@ -47,30 +51,67 @@ impl RunDir {
         Ok(folder)
     }
 
-    /// Opens the folder of a run that was made before.
+    /// Opens the folder of a run that was made before, and removes what a killed process left
+    /// unfinished in it.
     pub fn open(path: &Path) -> Result<Self, RunDirError> {
-        if holds_checkpoint(path) {
-            Self::lock(path)
-        } else {
-            Err(RunDirError::NoRun { path: path.to_owned() })
+        if !holds_checkpoint(path) {
+            return Err(RunDirError::NoRun { path: path.to_owned() });
         }
+        let folder = Self::lock(path)?;
+        if folder.is_guarded {
+            files::remove_unfinished(path)?;
+            files::remove_unfinished(&path.join(CHECKPOINT_FOLDER))?;
+        }
+        Ok(folder)
     }
 
     fn lock(path: &Path) -> Result<Self, RunDirError> {
         let lock_path = path.join(LOCK_FILE);
         let lock = File::create(&lock_path).map_err(FileError::write(&lock_path))?;
-        match lock.try_lock() {
-            Ok(()) => Ok(Self { path: path.to_owned(), lock, process: process::id() }),
-            Err(TryLockError::WouldBlock) => Err(RunDirError::InUse { path: path.to_owned() }),
-            Err(TryLockError::Error(error)) => Err(FileError::write(&lock_path)(error).into()),
+        let is_guarded = match lock.try_lock() {
+            Ok(()) => true,
+            Err(TryLockError::WouldBlock) => {
+                return Err(RunDirError::InUse { path: path.to_owned() });
+            }
+            Err(TryLockError::Error(error)) if has_no_locks(&error) => false,
+            Err(TryLockError::Error(error)) => {
+                return Err(FileError::write(&lock_path)(error).into());
+            }
+        };
+        Ok(Self { path: path.to_owned(), lock, is_guarded, process: process::id() })
+    }
+
+    /// Whether a second process is kept out, which needs a file system with locks.
+    pub fn is_guarded(&self) -> bool {
+        self.is_guarded
+    }
+
+    /// Checks that the folder is still where it was, before something is written in it.
+    ///
+    /// # Errors
+    ///
+    /// If it was moved, deleted or replaced since it was opened.
+    pub fn check(&self) -> Result<(), RunDirError> {
+        let lock_path = self.path.join(LOCK_FILE);
+        let there = match std::fs::metadata(&lock_path) {
+            Ok(there) => Some(there),
+            Err(error) if config_file::is_absent(&error) => None,
+            Err(error) => return Err(FileError::read(&lock_path)(error).into()),
+        };
+        let held = self.lock.metadata().map_err(FileError::read(&lock_path))?;
+        let file = |file: &Metadata| (file.dev(), file.ino());
+        if there.is_some_and(|there| file(&there) == file(&held)) {
+            Ok(())
+        } else {
+            Err(RunDirError::Gone { path: self.path.clone() })
         }
     }
 
     /// Gives the lock back although forked processes may still have copies of it; does nothing in a
     /// forked process itself.
     pub fn close(self) -> Result<(), FileError> {
-        let Self { path, lock, process } = self;
-        if process != process::id() {
+        let Self { path, lock, is_guarded, process } = self;
+        if process != process::id() || !is_guarded {
             return Ok(());
         }
         lock.unlock().map_err(FileError::write(&path))
@@ -91,17 +132,19 @@ impl RunDir {
         self.path.join(POLICY_FILE)
     }
 
-    /// Writes the settings; the file is complete or not there.
-    pub fn write_config(&self, settings: &Settings) -> Result<(), RunDirError> {
+    /// Writes the settings of the run; the file is complete or not there.
+    pub fn write_config(&self, settings: &Settings, run: RunId) -> Result<(), RunDirError> {
+        self.check()?;
         let path = self.path.join(CONFIG_FILE);
-        files::replace(&path, settings::to_toml(settings)?.as_bytes())?;
+        files::replace(&path, config_file::text(settings, run)?.as_bytes())?;
         Ok(())
     }
 }
 
-/// The settings that were kept with a run, if they can be read.
-pub fn read_config(folder: &Path) -> Option<Settings> {
-    settings::from_toml(&settings::read_text(&folder.join(CONFIG_FILE)).ok()?)
+/// Whether a lock was refused because the file system, or the network behind it, has none.
+fn has_no_locks(error: &io::Error) -> bool {
+    error.kind() == io::ErrorKind::Unsupported
+        || error.raw_os_error() == Some(Errno::NOLCK.raw_os_error())
 }
 
 /// The first checkpoint is written before the first step, so without one nothing was done.
@@ -122,6 +165,12 @@ pub enum RunDirError {
     #[error("`{}` already holds a run", path.display())]
     Exists {
         /// The folder.
+        path: PathBuf,
+    },
+    /// It is no longer where it was.
+    #[error("the run folder `{}` was moved, deleted or replaced during the run", path.display())]
+    Gone {
+        /// Where it was.
         path: PathBuf,
     },
     /// There is nothing to go on with.

@@ -1,5 +1,6 @@
 //! Settings and folders of runs: the same ones whether the command line or Python starts them.
 
+mod config_file;
 mod difference;
 mod folder;
 mod machine;
@@ -7,9 +8,10 @@ mod metrics;
 mod run;
 pub mod settings;
 
+pub use config_file::{CONFIG_FILE, ConfigFile, ConfigFileError};
 pub use difference::{OtherSettings, difference};
-pub use folder::{CONFIG_FILE, METRICS_FILE, RunDir, RunDirError, read_config};
+pub use folder::{RunDir, RunDirError};
 pub use machine::Machine;
-pub use metrics::{MetricsError, MetricsFile};
-pub use run::{Evaluation, Group, Run, RunError, read_evaluations, read_groups};
+pub use metrics::{Evaluation, METRICS_FILE, MetricsError, MetricsFile, read_evaluations};
+pub use run::{Group, Groups, Repeated, Run, RunError, read_groups};
 pub use settings::{Asked, Settings, SettingsError};

@@ -1,6 +1,6 @@
 //! `rher report`: what runs came to, on one page that needs no other file.
 
-use super::stats::{NOTE, Stats, sections};
+use super::stats::{NOTE, Stats, note_repeated, sections};
 use crate::cli::ReportArgs;
 use crate::film::{Animation, Film, SIZE};
 use crate::numbers::{duration, percent, thousands};
@@ -12,7 +12,7 @@ use base64::engine::general_purpose::STANDARD;
 use comfy_table::Table;
 use rher_core::files::{self, FileError};
 use rher_core::train::checkpoint::POLICY_FILE;
-use rher_runs::{CONFIG_FILE, Group, Machine, Run, RunError, read_groups};
+use rher_runs::{CONFIG_FILE, Group, Groups, Machine, Run, RunError, read_groups};
 use std::fmt::{self, Write as _};
 use std::path::{Path, PathBuf};
 
@@ -25,7 +25,10 @@ figure { display: inline-block; margin: 0 1em 1em 0 } figcaption { color: #555 }
 svg, img { max-width: 100%; height: auto } pre { background: #f5f5f5; padding: .8em; overflow: auto }";
 
 pub(crate) fn report(args: &ReportArgs, printer: Printer) -> anyhow::Result<()> {
-    let groups = read_groups(&args.runs)?;
+    let Groups { groups, repeated } = read_groups(&args.runs)?;
+    note_repeated(&repeated, printer);
+    let counted = |folder: &&PathBuf| repeated.iter().all(|left_out| left_out.folder != **folder);
+    let runs: Vec<PathBuf> = args.runs.iter().filter(counted).cloned().collect();
     let mut page = Page::default();
     let titles: Vec<String> = groups.iter().map(|(group, _)| group.to_string()).collect();
     page.element("h1", &format!("Runs of {}", titles.join(", ")));
@@ -46,7 +49,7 @@ pub(crate) fn report(args: &ReportArgs, printer: Printer) -> anyhow::Result<()> 
 
     page.element("h2", "An episode");
     for (group, _) in &groups {
-        match of_group(group, &args.runs)?.into_iter().find(|folder| has_policy(folder)) {
+        match of_group(group, &runs)?.into_iter().find(|folder| has_policy(folder)) {
             Some(folder) => {
                 let caption =
                     format!("{group}: the first evaluation episode of {}", folder.display());
@@ -57,11 +60,11 @@ pub(crate) fn report(args: &ReportArgs, printer: Printer) -> anyhow::Result<()> 
     }
 
     page.element("h2", "Runs");
-    page.table("The last evaluation of each run", &listing(&args.runs)?);
+    page.table("The last evaluation of each run", &listing(&runs)?);
 
     page.element("h2", "Settings");
     for (group, _) in &groups {
-        for folder in of_group(group, &args.runs)?.into_iter().take(1) {
+        for folder in of_group(group, &runs)?.into_iter().take(1) {
             let path = folder.join(CONFIG_FILE);
             let settings = std::fs::read_to_string(&path);
             let settings = settings.map_err(FileError::read(&path))?;
@@ -70,7 +73,7 @@ pub(crate) fn report(args: &ReportArgs, printer: Printer) -> anyhow::Result<()> 
     }
 
     page.element("h2", "Hardware");
-    page.table("Programs and machines", &machines(&args.runs));
+    page.table("Programs and machines", &machines(&runs));
     files::replace(&args.out, page.finish(&titles.join(", ")).as_bytes())?;
     printer.note(format_args!("report  {}", args.out.display()));
     Ok(())

@@ -10,7 +10,7 @@ use crate::printer::Printer;
 use crate::tables::{table, text};
 use comfy_table::Table;
 use comfy_table::presets::ASCII_MARKDOWN;
-use rher_runs::{Evaluation, Group, Run, read_groups};
+use rher_runs::{Evaluation, Group, Groups, Repeated, Run, read_groups};
 use serde::Serialize;
 
 /// Success rates whose first time is told.
@@ -83,7 +83,8 @@ enum Time {
 }
 
 pub(crate) fn stats(args: &StatsArgs, printer: Printer) -> anyhow::Result<()> {
-    let groups = read_groups(&args.runs)?;
+    let Groups { groups, repeated } = read_groups(&args.runs)?;
+    note_repeated(&repeated, printer);
     for (group, runs) in &groups {
         if runs.iter().any(|run| run.settings != runs[0].settings) {
             printer.note(format_args!(
@@ -104,6 +105,16 @@ pub(crate) fn stats(args: &StatsArgs, printer: Printer) -> anyhow::Result<()> {
     };
     printer.data(&output)?;
     Ok(())
+}
+
+/// Says which folders were left out because they hold a run that counts already.
+pub(super) fn note_repeated(repeated: &[Repeated], printer: Printer) {
+    for Repeated { folder, counted } in repeated {
+        let (folder, counted) = (folder.display(), counted.display());
+        printer.note(format_args!(
+            "note: `{folder}` has the settings and the seed of `{counted}` and is left out"
+        ));
+    }
 }
 
 impl Stats {

@@ -9,7 +9,7 @@ use crate::observe::{EventFile, ProgressView, Recorder, Watch};
 use crate::printer::Printer;
 use crate::trained::made_with;
 use rher_core::config::{EngineKind, TrainConfig};
-use rher_core::event::{Metrics, Progress, Seconds};
+use rher_core::event::{Event, Metrics, Progress, Seconds};
 use rher_core::train::checkpoint;
 use rher_core::train::{Finish, Trainer};
 use rher_envs::{EnvVisitor, Simulated, Task};
@@ -19,6 +19,7 @@ use rher_record::{RecordingFile, RecordingInfo, Source};
 use rher_runs::{MetricsFile, RunDir, Settings, settings};
 use std::num::NonZeroU64;
 use std::path::Path;
+use std::sync::atomic::AtomicBool;
 
 const STOPPING: &str =
     "finishing the episode and saving; Ctrl-C again exits at once, with the last checkpoint";
@@ -103,13 +104,20 @@ impl EnvVisitor for Session {
 
     fn visit<const N: usize, E: Simulated<N>>(self, build: impl Fn() -> E + Sync) -> Self::Output {
         let Self { folder, config, start, how } = self;
+        if !folder.is_guarded() {
+            how.printer.warn(format_args!(
+                "the file system of `{}` has no locks: make sure that no other process trains there",
+                folder.path().display()
+            ));
+        }
         let How { workers, record_every, tensorboard, printer, .. } = how;
         let envs: Vec<E> = (0..config.envs.max(workers)).map(|_| build()).collect();
         let made_with = envs[0].options().clone();
-        let (trainer, metrics) = match start {
+        let (mut trainer, metrics) = match start {
             Start::New => {
                 let trainer = Trainer::new(config, envs, workers)?;
-                (trainer, MetricsFile::create(&folder.metrics())?)
+                let metrics = MetricsFile::create(&folder.metrics(), trainer.id())?;
+                (trainer, metrics)
             }
             Start::Resumed { env_steps, until, engine } => {
                 let path = folder.path();
@@ -123,26 +131,30 @@ impl EnvVisitor for Session {
                 if let Some(until) = until {
                     trainer.set_until(until);
                 }
-                if let Some(finish) = trainer.finished() {
-                    printer.note(already_finished(finish, &folder, trainer.progress()));
-                    return Ok(Status::Success);
-                }
-                let metrics = MetricsFile::resume(&folder.metrics(), trainer.evaluations())?;
+                let (id, evaluations) = (trainer.id(), trainer.evaluations());
+                let metrics = MetricsFile::resume(&folder.metrics(), id, evaluations)?;
                 (trainer, metrics)
             }
         };
         let (config, options) = (trainer.config().clone(), made_with);
         let settings = Settings { config, options };
-        folder.write_config(&settings)?;
+        folder.write_config(&settings, trainer.id())?;
         // What a killed process was recording.
         for path in RecordingFile::recover(folder.path())? {
             printer.note(format_args!("finished the recording `{}`", path.display()));
+        }
+        if let Some(finish) = trainer.finished() {
+            // Its last policy may be missing, where a stop fell between two files.
+            trainer.run(Some(folder.path()), &mut |_: &Event| Ok(()), &AtomicBool::new(false))?;
+            printer.note(already_finished(finish, &folder, trainer.progress()));
+            return Ok(Status::Success);
         }
         let recorder = match record_every {
             Some(every) => {
                 let (env, TrainConfig { seed, relay, .. }) = (build(), &settings.config);
                 let mut info =
                     RecordingInfo::new(env.spec(), Source::Training, *seed, relay.reach_distance);
+                info.run = Some(trainer.id());
                 info.config = settings::to_toml(&settings)?;
                 Some(Recorder::new(every, &folder, info, env))
             }
@@ -163,6 +175,7 @@ impl EnvVisitor for Session {
         let started_at = trainer.progress().env_steps;
         let events = tensorboard.then(|| EventFile::create(folder.path(), started_at));
         let watch = Watch {
+            folder,
             metrics,
             events: events.transpose()?,
             progress,
@@ -171,19 +184,19 @@ impl EnvVisitor for Session {
             live,
             last: None,
         };
-        run(trainer, watch, &folder, printer)
+        run(trainer, watch, printer)
     }
 }
 
 fn run<const N: usize, E: Simulated<N>>(
     mut trainer: Trainer<N, E>,
     mut watch: Watch<E, N>,
-    folder: &RunDir,
     printer: Printer,
 ) -> anyhow::Result<Status> {
-    printer.note(format_args!("run folder: {}", folder.path().display()));
+    let path = watch.folder.path().to_owned();
+    printer.note(format_args!("run folder: {}", path.display()));
     let stop = Stop::listen(watch.progress.teller(), STOPPING)?;
-    let finish = trainer.run(Some(folder.path()), &mut watch, stop.flag());
+    let finish = trainer.run(Some(&path), &mut watch, stop.flag());
     watch.progress.finish();
     let recorded = watch.recorder.map(Recorder::finish).transpose();
     let finish = finish?;
@@ -197,7 +210,7 @@ fn run<const N: usize, E: Simulated<N>>(
             error.source
         )),
     }
-    printer.note(summary(finish, trainer.progress(), watch.last.as_ref(), folder));
+    printer.note(summary(finish, trainer.progress(), watch.last.as_ref(), &watch.folder));
     Ok(match finish {
         Finish::Solved | Finish::StepsSpent => Status::Success,
         Finish::Stopped => stop.status(),

@@ -8,7 +8,7 @@ mod report;
 mod runs;
 mod settings;
 
-pub(crate) use program::{ForeignTask, NoDatasetId, NotReal, RepeatedKey, SameRun};
+pub(crate) use program::{ForeignTask, NoDatasetId, NotReal, OtherRun, RepeatedKey, SameRun};
 pub(crate) use report::Report;
 
 use crate::exit_code::Status;
@@ -22,7 +22,9 @@ use rher_core::train::TrainError;
 use rher_core::train::checkpoint::CheckpointError;
 use rher_record::export::ExportError;
 use rher_record::{PlayError, ReadError};
-use rher_runs::{MetricsError, OtherSettings, RunDirError, RunError, SettingsError};
+use rher_runs::{
+    ConfigFileError, MetricsError, OtherSettings, RunDirError, RunError, SettingsError,
+};
 use std::error::Error;
 
 /// The errors with a report.
@@ -31,6 +33,8 @@ const KNOWN: &[fn(&(dyn Error + 'static)) -> Option<Report>] = &[
     explain::<RunDirError>,
     explain::<OtherSettings>,
     explain::<MetricsError>,
+    explain::<ConfigFileError>,
+    explain::<OtherRun>,
     explain::<RunError>,
     explain::<TrainError>,
     explain::<CheckpointError>,

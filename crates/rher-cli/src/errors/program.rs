@@ -2,6 +2,7 @@
 
 use super::report::{Explain, Report};
 use crate::exit_code::Status;
+use rher_core::RunId;
 use rher_record::verify::Difference;
 use std::path::PathBuf;
 
@@ -54,6 +55,27 @@ pub(crate) struct SameRun {
 impl Explain for SameRun {
     fn report(&self) -> Option<Report> {
         Some(Report::new(Status::Usage, "give every value and every seed once"))
+    }
+}
+
+/// A folder holds files of two runs.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "`{}` holds files of two runs: its policy is of run {policy}, and `{file}` of run {other}",
+    folder.display()
+)]
+pub(crate) struct OtherRun {
+    pub(crate) folder: PathBuf,
+    pub(crate) policy: RunId,
+    pub(crate) file: &'static str,
+    pub(crate) other: RunId,
+}
+
+impl Explain for OtherRun {
+    fn report(&self) -> Option<Report> {
+        let hint = "give the policy file itself, if it is the one that is meant; `rher train \
+                    --resume DIR` writes the policy of the checkpoint again";
+        Some(Report::new(Status::Damaged, hint))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::report::{Explain, Report};
 use crate::exit_code::Status;
-use rher_runs::{MetricsError, OtherSettings, RunDirError, RunError};
+use rher_runs::{ConfigFileError, MetricsError, OtherSettings, RunDirError, RunError};
 
 impl Explain for RunDirError {
     fn report(&self) -> Option<Report> {
@@ -14,6 +14,11 @@ impl Explain for RunDirError {
                 "`rher train --resume {}` continues it; `--out DIR` starts a run elsewhere",
                 path.display()
             ),
+            Self::Gone { .. } => {
+                let hint = "what was saved before is where the folder is now; there, `rher train \
+                            --resume DIR` continues the run";
+                return Some(Report::new(Status::FolderGone, hint));
+            }
             Self::NoRun { .. } => "`rher train <TASK> --out DIR` starts a run".to_owned(),
             Self::File(error) => return error.report(),
             Self::Settings(error) => return error.report(),
@@ -33,10 +38,24 @@ impl Explain for OtherSettings {
 
 impl Explain for MetricsError {
     fn report(&self) -> Option<Report> {
+        let hint = match self {
+            Self::TooShort { .. } | Self::Missing { .. } => {
+                "restore the file, or start a new run with --out"
+            }
+            Self::Damaged { .. } => "restore the file, or leave this run out",
+            Self::File(error) => return error.report(),
+        };
+        Some(Report::new(Status::Damaged, hint))
+    }
+}
+
+impl Explain for ConfigFileError {
+    fn report(&self) -> Option<Report> {
         match self {
-            Self::TooShort { .. } => Some(Report::new(
+            Self::Damaged { .. } => Some(Report::new(
                 Status::Damaged,
-                "restore the file, or start a new run with --out",
+                "restore the file, or read the run with the version of `rher` that made it; \
+                 without the file, the settings in the checkpoint count",
             )),
             Self::File(error) => error.report(),
         }
@@ -53,9 +72,8 @@ impl Explain for RunError {
             Self::NoMetrics { .. } => {
                 (Status::RunFolder, "wait for its first evaluation, or leave this run out")
             }
-            Self::Metrics { .. } | Self::Settings { .. } => {
-                (Status::Damaged, "restore the file, or leave this run out")
-            }
+            Self::Metrics(error) => return error.report(),
+            Self::Config(error) => return error.report(),
             Self::File(_) => (Status::RunFolder, "check that you may read the file"),
         };
         Some(Report::new(status, hint))

@@ -12,10 +12,11 @@ use recorder::RecorderError;
 use rher_core::event::{Event, Metrics, Observer, ObserverError};
 use rher_core::files::FileError;
 use rher_envs::Simulated;
-use rher_runs::MetricsFile;
+use rher_runs::{MetricsFile, RunDir};
 
 /// Writes metrics down, shows progress and records episodes.
 pub(crate) struct Watch<E, const N: usize> {
+    pub(crate) folder: RunDir,
     pub(crate) metrics: MetricsFile,
     /// For `TensorBoard`.
     pub(crate) events: Option<EventFile>,
@@ -28,6 +29,11 @@ pub(crate) struct Watch<E, const N: usize> {
 }
 
 impl<const N: usize, E: Simulated<N>> Watch<E, N> {
+    /// What is written must be beside what was written before.
+    fn check_folder(&self) -> Result<(), ObserverError> {
+        self.folder.check().map_err(|error| ObserverError(error.into()))
+    }
+
     /// Training is worth more than its recording.
     fn go_without_recording(&mut self, error: &FileError) {
         let kept = self.recorder.take().and_then(Recorder::stop);
@@ -44,6 +50,7 @@ impl<const N: usize, E: Simulated<N>> Observer for Watch<E, N> {
         match event {
             Event::Progress(progress) => self.progress.advance(*progress),
             Event::Evaluated(metrics) => {
+                self.check_folder()?;
                 let written = self.metrics.append(metrics);
                 written.map_err(|error| ObserverError(error.into()))?;
                 if let Some(events) = &mut self.events {
@@ -56,6 +63,7 @@ impl<const N: usize, E: Simulated<N>> Observer for Watch<E, N> {
                 }
                 self.last = Some(metrics.as_ref().clone());
             }
+            Event::Saving => self.check_folder()?,
             Event::Explored(script) => {
                 if let Some(recorder) = &mut self.recorder
                     && recorder.wants(script.number)

@@ -54,7 +54,8 @@ class Run:
             rows = [_flat(json.loads(line)) for line in lines]
         except json.JSONDecodeError as error:
             raise FileError(f"`{path}` is damaged: {error}") from error
-        keys = rows[0] if rows else ()
+        # The identity of the run and the checksum of the line are no metrics.
+        keys = [key for key in (rows[0] if rows else ()) if key not in ("run", "crc32")]
         return {key: np.array([_number(row.get(key)) for row in rows]) for key in keys}
 
     def __repr__(self) -> str:

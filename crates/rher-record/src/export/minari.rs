@@ -240,6 +240,7 @@ mod tests {
             seed: 0,
             reach_distance: 0.05,
             subtasks: 2,
+            run: None,
             config: String::new(),
             policy_sha256: String::new(),
             rher: String::new(),

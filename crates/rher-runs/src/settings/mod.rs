@@ -15,4 +15,4 @@ pub use error::{Origin, SettingsError, Source};
 pub use file::{LARGEST_FILE, read_text};
 pub use reference::reference;
 pub use resolve::{resolve, resolve_foreign, resolve_here};
-pub use written::{Comments, from_toml, to_toml, to_toml_with};
+pub use written::{Comments, from_table, to_toml, to_toml_with};

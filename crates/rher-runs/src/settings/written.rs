@@ -112,9 +112,13 @@ fn written(value: &impl Serialize) -> Result<String, Error> {
     Ok(text)
 }
 
-/// The settings in a file that [`to_toml`] made, if they can be read.
-pub fn from_toml(text: &str) -> Option<Settings> {
-    split(text.parse().ok()?).ok()
+/// The settings in the table of a file that [`to_toml`] made.
+///
+/// # Errors
+///
+/// If a setting is missing, unknown, or of another type.
+pub fn from_table(table: Table) -> Result<Settings, toml::de::Error> {
+    split(table)
 }
 
 /// The table of a file.
