@@ -157,7 +157,7 @@ impl RecordingFile {
     ///
     /// # Errors
     ///
-    /// If the file cannot be written; it keeps its `.part` name and its whole episodes.
+    /// If a file cannot be written; the recording keeps its `.part` name and its whole episodes.
     pub fn finish(self) -> Result<PathBuf, FileError> {
         let Self { path, part, refused, mut writer, whole, .. } = self;
         let finished = writer.finish().map_err(|error| into_io(error, &refused));
@@ -165,14 +165,13 @@ impl RecordingFile {
         finished
             .and_then(|_| output.flush())
             .and_then(|()| output.file.get_ref().sync_all())
-            .and_then(|()| std::fs::rename(&part.path, &path))
-            .map_err(|error| {
+            .map_err(FileError::write(&path))
+            .and_then(|()| write_layout(&layout_beside(&path)))
+            .and_then(|()| std::fs::rename(&part.path, &path).map_err(FileError::write(&path)))
+            .inspect_err(|_| {
                 let (file, _) = output.file.into_parts();
                 let _ = file.set_len(whole);
-                FileError::write(&path)(error)
             })?;
-        let layout = layout_beside(&path);
-        std::fs::write(&layout, LAYOUT).map_err(FileError::write(&layout))?;
         Ok(path)
     }
 
@@ -309,6 +308,21 @@ impl Seek for Output {
 /// Where the layout of a recording lies.
 pub fn layout_beside(recording: &Path) -> PathBuf {
     recording.with_extension("layout.json")
+}
+
+/// Writes the layout at `path`; it is complete or as it was before.
+fn write_layout(path: &Path) -> Result<(), FileError> {
+    let names = std::iter::once(path.with_extension("part.json"))
+        .chain((2..1000).map(|n| path.with_extension(format!("{n}.part.json"))));
+    let (part, mut file) = Part::file(names).map_err(FileError::write(path))?;
+    file.write_all(LAYOUT.as_bytes())
+        .and_then(|()| file.sync_all())
+        .and_then(|()| std::fs::rename(&part.path, path))
+        .map_err(|error| {
+            // Nothing that anyone needs is in it.
+            let _ = std::fs::remove_file(&part.path);
+            FileError::write(path)(error)
+        })
 }
 
 fn into_io(error: McapError, refused: &Mutex<Option<io::Error>>) -> io::Error {
