@@ -202,71 +202,59 @@ impl RecordingFile {
     }
 
     /// Finishes the recordings in a folder whose writer was killed: their whole episodes get the
-    /// name of the recording, and the unfinished files are removed. The names that were given.
+    /// name of the recording, and the unfinished files are removed. The names that were given, and
+    /// for every unfinished file that stays as it is, why.
     ///
     /// Nobody else may be writing in the folder.
     ///
     /// # Errors
     ///
-    /// If a file cannot be written. Unfinished files that cannot be read stay as they are.
-    pub fn recover(folder: &Path) -> Result<Vec<PathBuf>, FileError> {
-        let entries = std::fs::read_dir(folder).map_err(FileError::write(folder))?;
+    /// If the folder cannot be read.
+    pub fn recover(folder: &Path) -> Result<Vec<Result<PathBuf, ReadError>>, FileError> {
+        let entries = std::fs::read_dir(folder).map_err(FileError::read(folder))?;
         let mut unfinished: Vec<PathBuf> = entries
             .filter_map(|entry| Some(entry.ok()?.path()))
             .filter(|path| is_unfinished(path))
             .collect();
         unfinished.sort();
-        let mut recovered = Vec::new();
-        for path in unfinished {
-            match Self::rewrite(&path)? {
-                Rewritten::Whole(name) => recovered.push(name),
-                Rewritten::Nothing => {}
-                Rewritten::Unreadable => continue,
-            }
-            std::fs::remove_file(&path).map_err(FileError::write(&path))?;
-        }
+        Ok(unfinished.iter().filter_map(|path| Self::recover_one(path).transpose()).collect())
+    }
+
+    /// The name that an unfinished recording was given; `None` if no episode in it is whole.
+    fn recover_one(unfinished: &Path) -> Result<Option<PathBuf>, ReadError> {
+        let recovered = match Recording::open(unfinished) {
+            Err(ReadError::NotMcap { .. } | ReadError::CutOff { whole: 0, .. }) => None,
+            opened => Self::rewrite(opened?, unfinished)?,
+        };
+        std::fs::remove_file(unfinished).map_err(FileError::write(unfinished))?;
         Ok(recovered)
     }
 
     /// Writes the whole episodes of an unfinished recording under its name.
-    fn rewrite(unfinished: &Path) -> Result<Rewritten, FileError> {
-        let mut recording = match Recording::open(unfinished) {
-            Ok(recording) => recording,
-            Err(ReadError::NotMcap { .. } | ReadError::CutOff { whole: 0, .. }) => {
-                return Ok(Rewritten::Nothing);
-            }
-            Err(_) => return Ok(Rewritten::Unreadable),
-        };
+    fn rewrite(mut recording: Recording, unfinished: &Path) -> Result<Option<PathBuf>, ReadError> {
         let path = unfinished.with_extension("").with_extension("mcap");
-        let names = std::iter::once(path.with_extension("whole.mcap"));
-        let mut file = Self::create_as(&path, names, &recording.info)?;
-        let failed = loop {
+        let whole = path.with_extension("whole.mcap");
+        let mut file = Self::create_as(&path, std::iter::once(whole.clone()), &recording.info)?;
+        let written = loop {
             match recording.next() {
-                None => return Ok(Rewritten::Whole(file.finish()?)),
+                None => break file.finish().map(Some).map_err(ReadError::from),
                 Some(Ok(Recorded { messages, .. })) => {
                     let messages = messages.iter();
                     let sent = messages.map(|it| (it.time, it.topic, Cow::Borrowed(&*it.bytes)));
                     if let Err(error) = file.add_sent(sent) {
-                        break Err(error);
+                        break Err(error.into());
                     }
                 }
-                Some(Err(ReadError::CutOff { whole: 0, .. })) => break Ok(Rewritten::Nothing),
-                Some(Err(_)) => break Ok(Rewritten::Unreadable),
+                Some(Err(ReadError::CutOff { whole: 0, .. })) => break Ok(None),
+                Some(Err(error)) => break Err(error),
             }
         };
-        file.discard()?;
-        failed
+        if !matches!(written, Ok(Some(_))) {
+            // Its episodes are in the unfinished one.
+            let _ = std::fs::remove_file(&whole);
+        }
+        written
     }
-}
-
-/// What became of an unfinished recording.
-enum Rewritten {
-    /// It is finished, under this name.
-    Whole(PathBuf),
-    /// No episode in it is whole.
-    Nothing,
-    /// It stays as it is.
-    Unreadable,
 }
 
 /// A file that remembers why it could not be written: the encoder does not pass every reason on.

@@ -140,8 +140,16 @@ impl EnvVisitor for Session {
         let settings = Settings { config, options };
         folder.write_config(&settings, trainer.id())?;
         // What a killed process was recording.
-        for path in RecordingFile::recover(folder.path())? {
-            printer.note(format_args!("finished the recording `{}`", path.display()));
+        for recovered in RecordingFile::recover(folder.path())? {
+            match recovered {
+                Ok(path) => {
+                    printer.note(format_args!("finished the recording `{}`", path.display()));
+                }
+                Err(error) => printer.warn(format_args!(
+                    "an unfinished recording stays as it is: {:#}",
+                    anyhow::Error::from(error)
+                )),
+            }
         }
         if let Some(finish) = trainer.finished() {
             // Its last policy may be missing, where a stop fell between two files.
