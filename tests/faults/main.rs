@@ -34,6 +34,7 @@ fn every_fault_has_the_outcome_that_the_table_says() {
         fs::write(path, report.page()).unwrap();
     }
     eprintln!("{}", report.sums());
+    assert!(report.idle.is_empty(), "rows of the table that hold for no fault: {:?}", report.idle);
     assert!(
         report.failures.is_empty(),
         "{} failures:\n\n{}",

@@ -1,6 +1,6 @@
 //! All faults, or some of each kind, on all cores.
 
-use crate::expected::expected;
+use crate::expected::{TABLE, expected};
 use crate::preload::{Call, Fault};
 use crate::program::Program;
 use crate::trial::{Bench, Disturbance};
@@ -16,11 +16,26 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Kills at random moments where there is no more time, for each command.
-const KILLS: usize = 4;
+/// Kills and chains where there is no more time, for each command.
+const FEW: usize = 4;
 
-/// One kind of fault: the lines of a report.
-type Kind = (Verb, Option<(Call, Place, Fault)>);
+/// A line of a report.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Kind {
+    Fault(Call, Place, Fault),
+    Kill,
+    Chain,
+}
+
+impl Kind {
+    const fn of(disturbance: Disturbance) -> Self {
+        match disturbance {
+            Disturbance::Fault { call, place, fault, .. } => Self::Fault(call, place, fault),
+            Disturbance::KillAfter(_) => Self::Kill,
+            Disturbance::Chain(_) => Self::Chain,
+        }
+    }
+}
 
 /// One trial.
 #[derive(Clone, Copy)]
@@ -35,8 +50,10 @@ pub(crate) struct Report {
     seed: u64,
     seconds: f64,
     /// Trials and failures of each kind.
-    counts: BTreeMap<Kind, [usize; 2]>,
+    counts: BTreeMap<(Verb, Kind), [usize; 2]>,
     pub(crate) failures: Vec<String>,
+    /// Rows of the table, counted from 0, that hold for no fault.
+    pub(crate) idle: Vec<usize>,
 }
 
 /// Tries faults: one of every kind, or as many as there is time for.
@@ -50,7 +67,7 @@ pub(crate) fn run(program: &Program, seed: u64, time: Option<Duration>) -> Repor
     };
     let next = AtomicUsize::new(0);
     let is_over = AtomicBool::new(false);
-    let report = Mutex::new(Report { seed, ..Report::default() });
+    let report = Mutex::new(Report { seed, idle: idle(&queue, &benches), ..Report::default() });
     let work = |queue: &[Trial]| {
         while let Some(&Trial { bench, disturbance }) =
             queue.get(next.fetch_add(1, Ordering::Relaxed))
@@ -82,58 +99,63 @@ pub(crate) fn run(program: &Program, seed: u64, time: Option<Duration>) -> Repor
     report
 }
 
-/// Every fault in every call, and as many kills as a twentieth of them, in any order.
+/// Every fault in every call, and as many kills and chains as a twentieth of them each, in any
+/// order.
 fn all(benches: &[Bench], rng: &mut ChaCha8Rng) -> Vec<Trial> {
     let faults = |(bench, it): (usize, &Bench)| -> Vec<Trial> {
         it.faults().map(|disturbance| Trial { bench, disturbance }).collect()
     };
     let mut trials: Vec<Trial> = benches.iter().enumerate().flat_map(faults).collect();
-    for bench in 0..benches.len() {
-        let kills = trials.len() / benches.len() / 20;
-        trials.extend(kills_of(benches, bench, kills, rng));
-    }
+    let count = trials.len() / benches.len() / 20;
+    trials.extend(at_random(benches, count, rng));
     trials.shuffle(rng);
     trials
 }
 
-/// One fault of every kind.
+/// One fault of every kind, and a few kills and chains.
 fn sample(benches: &[Bench], rng: &mut ChaCha8Rng) -> Vec<Trial> {
     let mut trials = all(benches, rng);
     let mut kinds = BTreeSet::new();
     trials.retain(|trial| {
-        let (kind, _) = kind(benches[trial.bench].verb, trial.disturbance);
-        kind.1.is_some() && kinds.insert(kind)
+        let kind = Kind::of(trial.disturbance);
+        matches!(kind, Kind::Fault(..)) && kinds.insert((benches[trial.bench].verb, kind))
     });
-    for bench in 0..benches.len() {
-        trials.extend(kills_of(benches, bench, KILLS, rng));
+    trials.extend(at_random(benches, FEW, rng));
+    trials
+}
+
+/// For each command, `count` kills at any moment, or just after its end, and as many chains.
+fn at_random(benches: &[Bench], count: usize, rng: &mut ChaCha8Rng) -> Vec<Trial> {
+    let mut trials = Vec::new();
+    for (bench, Bench { verb, took, .. }) in benches.iter().enumerate() {
+        for _ in 0..count {
+            let delay = took.mul_f64(rng.random_range(0.0..1.2));
+            let chain = Disturbance::Chain(rng.random());
+            trials.push(Trial { bench, disturbance: chain });
+            // What is started here is the sweep, not one of its runs.
+            if *verb != Verb::SweptRun {
+                trials.push(Trial { bench, disturbance: Disturbance::KillAfter(delay) });
+            }
+        }
     }
     trials
 }
 
-/// Kills at any moment of a command, or just after it.
-fn kills_of(benches: &[Bench], bench: usize, count: usize, rng: &mut ChaCha8Rng) -> Vec<Trial> {
-    let Bench { verb, took, .. } = benches[bench];
-    // The process that the sweep itself is.
-    let count = if verb == Verb::SweptRun { 0 } else { count };
-    let mut delay = || took.mul_f64(rng.random_range(0.0..1.2));
-    let kill = |_| Trial { bench, disturbance: Disturbance::KillAfter(delay()) };
-    (0..count).map(kill).collect()
-}
-
-/// The kind of a disturbance, and what is expected of it.
-fn kind(verb: Verb, disturbance: Disturbance) -> (Kind, String) {
-    match disturbance {
+/// Rows of the table that hold for none of these trials.
+fn idle(trials: &[Trial], benches: &[Bench]) -> Vec<usize> {
+    let row = |trial: &Trial| match trial.disturbance {
         Disturbance::Fault { call, place, fault, .. } => {
-            let outcome = expected(verb, call, place, fault).1;
-            ((verb, Some((call, place, fault))), outcome.to_string())
+            Some(expected(benches[trial.bench].verb, call, place, fault).0)
         }
-        Disturbance::KillAfter(_) => ((verb, None), "killed".to_owned()),
-    }
+        _ => None,
+    };
+    let used: BTreeSet<usize> = trials.iter().filter_map(row).collect();
+    (0..TABLE.len()).filter(|row| !used.contains(row)).collect()
 }
 
 impl Report {
     fn add(&mut self, verb: Verb, disturbance: Disturbance, wrong: Option<String>) {
-        let count = self.counts.entry(kind(verb, disturbance).0).or_default();
+        let count = self.counts.entry((verb, Kind::of(disturbance))).or_default();
         count[0] += 1;
         count[1] += usize::from(wrong.is_some());
         self.failures.extend(wrong);
@@ -141,15 +163,16 @@ impl Report {
 
     /// All in one line.
     pub(crate) fn sums(&self) -> String {
-        let sum = |of: &dyn Fn(&Kind) -> bool| -> usize {
-            self.counts.iter().filter(|(kind, _)| of(kind)).map(|(_, count)| count[0]).sum()
+        let sum = |of: &dyn Fn(Kind) -> bool| -> usize {
+            self.counts.iter().filter(|((_, kind), _)| of(*kind)).map(|(_, count)| count[0]).sum()
         };
-        let (faults, kills) = (sum(&|kind| kind.1.is_some()), sum(&|kind| kind.1.is_none()));
+        let faults = sum(&|kind| matches!(kind, Kind::Fault(..)));
+        let (kills, chains) = (sum(&|kind| kind == Kind::Kill), sum(&|kind| kind == Kind::Chain));
         let minutes = self.seconds / 60.0;
         format!(
-            "{faults} faults and {kills} kills at random moments in {minutes:.1} minutes, {:.0} per \
-             minute, seed {}: {} failures",
-            (faults + kills) as f64 / minutes,
+            "{faults} faults, {kills} kills at random moments and {chains} chains of faults in \
+             {minutes:.1} minutes, {:.0} per minute, seed {}: {} failures",
+            (faults + kills + chains) as f64 / minutes,
             self.seed,
             self.failures.len()
         )
@@ -160,13 +183,14 @@ impl Report {
         let mut page = format!("{}\n\n", self.sums());
         page.push_str("| command | call | file | fault | expected | tried | failed |\n");
         page.push_str("|---|---|---|---|---|---|---|\n");
-        for ((verb, fault), [tried, failed]) in &self.counts {
-            let cells = match fault {
-                Some((call, place, fault)) => {
+        for ((verb, kind), [tried, failed]) in &self.counts {
+            let cells = match kind {
+                Kind::Fault(call, place, fault) => {
                     let outcome = expected(*verb, *call, *place, *fault).1;
                     format!("{call} | {place} | {fault} | {outcome}")
                 }
-                None => "any | any | killed at a random moment | killed".to_owned(),
+                Kind::Kill => "any | any | killed at a random moment | killed".to_owned(),
+                Kind::Chain => "any | any | three faults one after the other | any".to_owned(),
             };
             let _ = writeln!(page, "| {verb} | {cells} | {tried} | {failed} |");
         }

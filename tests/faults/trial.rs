@@ -4,6 +4,9 @@ use crate::expected::{Outcome, expected};
 use crate::preload::{Call, Fault, Injection, Noted};
 use crate::program::{Ended, NoStatus, Program, Room};
 use crate::work::{Place, Results, Verb, is_recording_of_training, results};
+use rand::seq::{IndexedRandom as _, IteratorRandom as _};
+use rand::{RngExt as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::fs;
@@ -22,9 +25,19 @@ pub(crate) struct Bench {
 /// What disturbs the command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Disturbance {
-    Fault { call: Call, at: usize, place: Place, fault: Fault },
+    Fault {
+        call: Call,
+        at: usize,
+        place: Place,
+        fault: Fault,
+    },
     KillAfter(Duration),
+    /// Faults one after the other, in the command and in what should lead on: a seed of them.
+    Chain(u64),
 }
+
+/// Faults in a chain.
+const LINKS: usize = 3;
 
 impl Bench {
     pub(crate) fn new(verb: Verb, program: &Program) -> Self {
@@ -60,6 +73,7 @@ impl Bench {
         let room = self.room.copy();
         let (arguments, watched) = (self.verb.arguments(), self.verb.watched());
         let (hit, outcome) = match disturbance {
+            Disturbance::Chain(seed) => return self.try_chain(seed, program),
             Disturbance::Fault { call, at, place, fault } => {
                 let injection = Injection { command: self.verb.hit(), call, at, fault };
                 let hit = program.run_watched(&room, arguments, watched, Some(&injection));
@@ -69,7 +83,7 @@ impl Bench {
                 (program.run_killed(&room, arguments, watched, delay), None)
             }
         };
-        let mut wrong = Vec::new();
+        let mut wrong: Vec<String> = crashes(&hit).into_iter().collect();
         match outcome {
             Some(_) if !hit.log.iter().any(|noted| noted.is_hit) => {
                 wrong.push("the call was not made".to_owned());
@@ -87,10 +101,37 @@ impl Bench {
             wrong.extend(self.differs(&room, "at the end", unrecorded));
         } else {
             wrong.extend(self.tears_its_target(&room));
-            wrong.extend(self.fails_to_mend(&room, &hit, program));
+            wrong.extend(self.fails_to_mend(&room, Some(&hit), program));
         }
         wrong.extend(self.has_bad_recordings(&room, unrecorded, program));
         (!wrong.is_empty()).then(|| self.describe(disturbance, &hit, &wrong))
+    }
+
+    /// Several faults in a row; what is wrong after the next command, if anything is.
+    fn try_chain(&self, seed: u64, program: &Program) -> Option<String> {
+        let room = self.room.copy();
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut text = format!("{}: chain {seed}\n", self.verb);
+        let mut wrong = Vec::new();
+        for link in 0..LINKS {
+            let Noted { call, .. } = *self.calls.choose(&mut rng)?;
+            let count = self.calls.iter().filter(|noted| noted.call == call).count();
+            let at = rng.random_range(1..=count);
+            let fault = call.faults().choose(&mut rng)?;
+            let injection = Injection { command: self.verb.hit(), call, at, fault };
+            let arguments = if link == 0 { self.verb.arguments() } else { self.verb.next(&room) };
+            let hit = program.run_watched(&room, arguments, self.verb.watched(), Some(&injection));
+            let _ = writeln!(text, "  rher {arguments}");
+            let _ = writeln!(text, "  {fault} in {call} {at}: {:?}: {}", hit.status, hit.stderr);
+            wrong.extend(crashes(&hit));
+            wrong.extend(self.tears_its_target(&room));
+        }
+        wrong.extend(self.fails_to_mend(&room, None, program));
+        wrong.extend(self.has_bad_recordings(&room, true, program));
+        for wrong in &wrong {
+            let _ = writeln!(text, "  WRONG {wrong}");
+        }
+        (!wrong.is_empty()).then_some(text)
     }
 
     /// How the results differ from those of an undisturbed command.
@@ -134,8 +175,9 @@ impl Bench {
         (!is_known).then(|| format!("what is at `{target}` is torn"))
     }
 
-    /// Whether the next command does not lead to the results.
-    fn fails_to_mend(&self, room: &Room, hit: &Ended, program: &Program) -> Option<String> {
+    /// Whether the next command does not lead to the results; after one fault it must save exactly
+    /// the checkpoints that are still to be saved.
+    fn fails_to_mend(&self, room: &Room, hit: Option<&Ended>, program: &Program) -> Option<String> {
         let target = self.verb.target().filter(|_| self.verb.is_one_folder());
         let is_there = target.is_some_and(|target| room.work().join(target).exists());
         let next = program.run_watched(room, self.verb.next(room), self.verb.watched(), None);
@@ -150,7 +192,7 @@ impl Bench {
             return wrong.pop();
         }
         wrong.extend(self.differs(room, "after the next command", false));
-        if self.verb.saves() {
+        if let Some(hit) = hit.filter(|_| self.verb.saves()) {
             let saves = |log: &[Noted]| log.iter().filter(|noted| noted.is_save()).count();
             let (all, done, more) = (saves(&self.calls), saves(&hit.log), saves(&next.log));
             // A run that has not begun to play saves once more before it does.
@@ -212,6 +254,9 @@ impl Bench {
             Disturbance::KillAfter(delay) => {
                 let _ = writeln!(text, "killed after {delay:?}");
             }
+            Disturbance::Chain(seed) => {
+                let _ = writeln!(text, "chain {seed}");
+            }
         }
         let _ = writeln!(text, "  ended with {:?}: {}", hit.status, hit.stderr.trim_end());
         for wrong in wrong {
@@ -221,12 +266,15 @@ impl Bench {
     }
 }
 
+/// Whether the program panicked, crashed or hung, which nothing may lead to.
+fn crashes(Ended { status, stderr, .. }: &Ended) -> Option<String> {
+    let is_crashed = matches!(status, Err(NoStatus::Crashed(_) | NoStatus::Hung) | Ok(101 | 134));
+    (is_crashed || stderr.contains("panicked")).then(|| format!("it crashed: {status:?}"))
+}
+
 /// How the end of the program differs from what is expected.
 fn ends_otherwise(ended: &Ended, outcome: Outcome) -> Option<String> {
     let Ended { status, stderr, .. } = ended;
-    if stderr.contains("panicked") {
-        return Some("it panicked".to_owned());
-    }
     let warned = stderr.contains("warning: ");
     let failed = stderr.contains("error: ");
     let is_expected = match outcome {
