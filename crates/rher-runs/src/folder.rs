@@ -39,7 +39,8 @@ impl RunDir {
         Path::new("runs").join(format!("{task}-{method}-{preset}-{seed}"))
     }
 
-    /// Makes the folder of a new run, with a note of the machine that makes it.
+    /// Makes the folder of a new run, with a note of the machine that makes it, and removes what a
+    /// killed process left unfinished in it.
     pub fn create(path: &Path) -> Result<Self, RunDirError> {
         std::fs::create_dir_all(path).map_err(FileError::write(path))?;
         let folder = Self::lock(path)?;
@@ -47,6 +48,7 @@ impl RunDir {
         if holds_checkpoint(path) || path.join(POLICY_FILE).exists() {
             return Err(RunDirError::Exists { path: path.to_owned() });
         }
+        folder.remove_unfinished()?;
         Machine::here().write(path)?;
         Ok(folder)
     }
@@ -58,11 +60,15 @@ impl RunDir {
             return Err(RunDirError::NoRun { path: path.to_owned() });
         }
         let folder = Self::lock(path)?;
-        if folder.is_guarded {
-            files::remove_unfinished(path)?;
-            files::remove_unfinished(&path.join(CHECKPOINT_FOLDER))?;
-        }
+        folder.remove_unfinished()?;
         Ok(folder)
+    }
+
+    /// Removes what a killed process left, unless another one may be writing it.
+    fn remove_unfinished(&self) -> Result<(), FileError> {
+        let folders = [self.path.clone(), self.path.join(CHECKPOINT_FOLDER)];
+        let there = folders.iter().filter(|folder| self.is_guarded && folder.is_dir());
+        there.map(PathBuf::as_path).try_for_each(files::remove_unfinished)
     }
 
     fn lock(path: &Path) -> Result<Self, RunDirError> {
