@@ -10,11 +10,10 @@ use crate::tables::{table, text};
 use crate::trained::made_with;
 use anyhow::Context as _;
 use rher_core::files::FileError;
-use rher_core::train::checkpoint;
+use rher_core::train::checkpoint::{self, CheckpointError};
 use rher_envs::Task;
 use rher_runs::{
-    Evaluation, MetricsError, OtherSettings, RunDir, Settings, difference, read_evaluations,
-    settings,
+    Evaluation, MetricsError, OtherSettings, Settings, difference, read_evaluations, settings,
 };
 use serde::Serialize;
 use sha2::{Digest as _, Sha256};
@@ -62,7 +61,7 @@ impl Job {
         let parent = std::process::id().to_string();
         command.args(["train", "--quiet", "--workers", "1", "--parent", &parent]);
         let config = &self.settings.config;
-        if holds_run(folder) {
+        if holds_run(folder)? {
             let (env_steps, until) = (config.env_steps.to_string(), config.until.to_string());
             command.arg("--resume").arg(folder);
             command.args(["--env-steps", &env_steps, "--until", &until]);
@@ -88,10 +87,10 @@ impl Job {
 
     /// Whether the run in `folder`, if there is one, is this one.
     fn check(&self, folder: &Path) -> anyhow::Result<()> {
-        if !holds_run(folder) {
-            return Ok(());
-        }
-        let config = checkpoint::read_config(folder)?;
+        let config = match checkpoint::read_config(folder) {
+            Err(CheckpointError::Missing { .. }) => return Ok(()),
+            config => config?,
+        };
         let options = made_with(&checkpoint::read_variant(folder)?, self.task)?;
         match difference(&Settings { config, options }, &self.settings)? {
             Some((key, found, asked)) => {
@@ -103,9 +102,12 @@ impl Job {
     }
 }
 
-/// A run that another process is training counts, too.
-fn holds_run(folder: &Path) -> bool {
-    !matches!(RunDir::open(folder), Err(rher_runs::RunDirError::NoRun { .. }))
+/// Takes no lock, which could keep another process from training that run.
+fn holds_run(folder: &Path) -> Result<bool, CheckpointError> {
+    match checkpoint::read_config(folder) {
+        Err(CheckpointError::Missing { .. }) => Ok(false),
+        config => config.map(|_| true),
+    }
 }
 
 /// No two jobs are the same run, and none differs from the run in its folder.
@@ -160,13 +162,9 @@ pub(crate) fn run(
                 }
             }
             let ended = 1 + ended.fetch_add(1, Ordering::Relaxed);
-            match Found::read(&folder, job) {
-                Ok(found) => printer.note(format_args!("{ended}/{}  {name}  {found}", jobs.len())),
-                Err(error) => {
-                    printer.error(&error.into(), None);
-                    failed.fetch_add(1, Ordering::Relaxed);
-                }
-            }
+            let found = Found::read(&folder, job);
+            let found = found.map_or_else(|error| error.to_string(), |found| found.to_string());
+            printer.note(format_args!("{ended}/{}  {name}  {found}", jobs.len()));
         }
         None
     };
@@ -178,7 +176,7 @@ pub(crate) fn run(
         workers.into_iter().map(join).fold(None, Option::or)
     });
 
-    let cells = summarize(jobs, out);
+    let (cells, unreadable) = summarize(jobs, out);
     if json {
         printer.data(&serde_json::to_string_pretty(&cells)?)?;
     } else {
@@ -190,7 +188,8 @@ pub(crate) fn run(
     }
     let failed = failed.into_inner();
     anyhow::ensure!(failed == 0, "{failed} of {} runs failed; their errors are above", jobs.len());
-    Ok(Status::Success)
+    // The table is without it.
+    unreadable.map_or(Ok(Status::Success), |error| Err(error.into()))
 }
 
 /// How far a run came.
@@ -237,29 +236,34 @@ struct Cell<'a> {
     success: Option<f64>,
 }
 
-fn summarize<'a>(jobs: &'a [Job], out: &Path) -> Vec<Cell<'a>> {
-    jobs.chunk_by(|a, b| a.cell == b.cell)
-        .map(|jobs| {
-            let found: Vec<_> = jobs
-                .iter()
-                .filter_map(|job| Found::read(&out.join(job.name()), job).ok())
-                .collect();
-            let solved = || found.iter().filter(|found| found.is_solved);
-            let last = |found: &Found| found.last.clone();
-            let measured: Vec<_> = found.iter().filter_map(last).collect();
-            let success = measured.iter().map(|evaluation| evaluation.success_final);
-            let seconds = solved().filter_map(last).map(|metrics| metrics.wall_s as u64);
-            Cell {
-                settings: &jobs[0].cell,
-                runs: jobs.len(),
-                solved: solved().count(),
-                steps: median(solved().filter_map(last).map(|metrics| metrics.env_steps).collect()),
-                seconds: median(seconds.collect()).map(|seconds| seconds as f64),
-                success: (!measured.is_empty())
-                    .then(|| success.sum::<f64>() / measured.len() as f64),
-            }
-        })
-        .collect()
+/// What was reached in each cell, and the first run that cannot be read, if there is one.
+fn summarize<'a>(jobs: &'a [Job], out: &Path) -> (Vec<Cell<'a>>, Option<MetricsError>) {
+    let mut unreadable = None;
+    let mut read = |job: &Job| match Found::read(&out.join(job.name()), job) {
+        Ok(found) => Some(found),
+        Err(error) => {
+            unreadable.get_or_insert(error);
+            None
+        }
+    };
+    let cells = jobs.chunk_by(|a, b| a.cell == b.cell).map(|jobs| {
+        let found: Vec<_> = jobs.iter().filter_map(&mut read).collect();
+        let solved = || found.iter().filter(|found| found.is_solved);
+        let last = |found: &Found| found.last.clone();
+        let measured: Vec<_> = found.iter().filter_map(last).collect();
+        let success = measured.iter().map(|evaluation| evaluation.success_final);
+        let seconds = solved().filter_map(last).map(|metrics| metrics.wall_s as u64);
+        Cell {
+            settings: &jobs[0].cell,
+            runs: jobs.len(),
+            solved: solved().count(),
+            steps: median(solved().filter_map(last).map(|metrics| metrics.env_steps).collect()),
+            seconds: median(seconds.collect()).map(|seconds| seconds as f64),
+            success: (!measured.is_empty()).then(|| success.sum::<f64>() / measured.len() as f64),
+        }
+    });
+    let cells = cells.collect();
+    (cells, unreadable)
 }
 
 /// The middle one, or the upper of two.
