@@ -43,9 +43,12 @@ impl Trained {
     /// What the learner of the run expects of actions.
     ///
     /// A policy file alone has no critic, and a run whose checkpoint was deleted or is of another
-    /// version still has a good policy.
-    pub(crate) fn critic(&self) -> Option<Critic> {
-        checkpoint::read_critic(self.folder.as_ref()?).ok()
+    /// version still has a good policy. A checkpoint that cannot be read is an error.
+    pub(crate) fn critic(&self) -> Result<Option<Critic>, CheckpointError> {
+        match self.folder.as_deref().map(checkpoint::read_critic).transpose() {
+            Err(CheckpointError::Missing { .. } | CheckpointError::Version { .. }) => Ok(None),
+            critic => critic,
+        }
     }
 
     /// Which policy stands for the task.

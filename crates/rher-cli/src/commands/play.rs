@@ -44,7 +44,7 @@ impl EnvVisitor for Play<'_> {
             move |line| printer.note(line),
             "finishing the episode; press Ctrl-C again to exit at once",
         )?;
-        let critic = trained.critic();
+        let critic = trained.critic()?;
         let mut show = |number, played: &Played<N>| -> anyhow::Result<()> {
             if let Some(recording) = &mut recording {
                 let script = played.script(number, critic.as_ref());
