@@ -7,7 +7,7 @@ use crate::player::PAUSE;
 use crate::read::{ReadError, Recorded, Recording, is_unfinished};
 use mcap::records::{MessageHeader, Metadata};
 use mcap::{Compression, McapError, WriteOptions, Writer};
-use rher_core::files::FileError;
+use rher_core::files::{self, FileError};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -164,7 +164,7 @@ impl RecordingFile {
         let mut output = writer.into_inner();
         finished
             .and_then(|_| output.flush())
-            .and_then(|()| output.file.get_ref().sync_all())
+            .and_then(|()| files::sync(output.file.get_ref()))
             .map_err(FileError::write(&path))
             .and_then(|()| write_layout(&layout_beside(&path)))
             .and_then(|()| std::fs::rename(&part.path, &path).map_err(FileError::write(&path)))
@@ -304,7 +304,7 @@ fn write_layout(path: &Path) -> Result<(), FileError> {
         .chain((2..1000).map(|n| path.with_extension(format!("{n}.part.json"))));
     let (part, mut file) = Part::file(names).map_err(FileError::write(path))?;
     file.write_all(LAYOUT.as_bytes())
-        .and_then(|()| file.sync_all())
+        .and_then(|()| files::sync(&file))
         .and_then(|()| std::fs::rename(&part.path, path))
         .map_err(|error| {
             // Nothing that anyone needs is in it.
