@@ -92,7 +92,7 @@ pub(crate) const TABLE: &[Row] = &[
     Row {
         verbs: &[],
         calls: &[Call::Lock],
-        places: &[Place::Recording, Place::Dataset],
+        places: &[Place::Recording, Place::EndOfRecording, Place::Dataset],
         faults: &[],
         outcome: Outcome::Same,
         because: "the temporary name alone keeps others out",
@@ -100,14 +100,21 @@ pub(crate) const TABLE: &[Row] = &[
     Row {
         verbs: &[],
         calls: &[Call::Sync],
-        places: &[Place::Folder],
+        places: &[],
         faults: &[Fault::Invalid, Fault::NoCall, Fault::NotSupported],
         outcome: Outcome::Same,
-        because: "some file systems cannot sync a folder",
+        because: "some file systems cannot sync, or not a folder, and nothing can be done about it",
     },
     Row {
         verbs: &[Verb::Record, Verb::ResumeRecorded],
-        calls: &[Call::Open, Call::Create, Call::Write, Call::Sync, Call::Rename, Call::Remove],
+        calls: &[
+            Call::OpenToRead,
+            Call::OpenToWrite,
+            Call::Write,
+            Call::Sync,
+            Call::Rename,
+            Call::Remove,
+        ],
         places: &[Place::Recording, Place::EndOfRecording],
         faults: ERRORS,
         outcome: Outcome::Unrecorded,
@@ -123,7 +130,7 @@ pub(crate) const TABLE: &[Row] = &[
     },
     Row {
         verbs: &[Verb::Minari, Verb::Lerobot],
-        calls: &[Call::Open],
+        calls: &[Call::OpenToRead],
         places: &[Place::Dataset],
         faults: &[],
         outcome: Outcome::Same,
@@ -131,7 +138,7 @@ pub(crate) const TABLE: &[Row] = &[
     },
     Row {
         verbs: &[Verb::Resume, Verb::ResumeRecorded],
-        calls: &[Call::Open],
+        calls: &[Call::OpenToRead],
         places: &[Place::Policy],
         faults: &[],
         outcome: Outcome::Same,
@@ -139,7 +146,7 @@ pub(crate) const TABLE: &[Row] = &[
     },
     Row {
         verbs: TRAINING,
-        calls: &[Call::Open],
+        calls: &[Call::OpenToRead],
         places: &[Place::Folder],
         faults: &[Fault::NoSpace],
         outcome: Outcome::Ends(7),
@@ -147,7 +154,7 @@ pub(crate) const TABLE: &[Row] = &[
     },
     Row {
         verbs: TRAINING,
-        calls: &[Call::Open],
+        calls: &[Call::OpenToRead],
         places: &[Place::Folder],
         faults: &[],
         outcome: Outcome::Ends(6),
@@ -163,7 +170,7 @@ pub(crate) const TABLE: &[Row] = &[
     },
     Row {
         verbs: &[],
-        calls: &[Call::Open],
+        calls: &[Call::OpenToRead],
         places: &[],
         faults: &[],
         outcome: Outcome::Ends(1),

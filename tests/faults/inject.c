@@ -29,8 +29,8 @@
 #include <sys/uio.h>
 #include <unistd.h>
 
-enum call { OPEN, CREATE, WRITE, SYNC, RENAME, LOCK, TRUNCATE, MKDIR, REMOVE, CALLS };
-static const char *const names[CALLS] = {"open", "create",   "write", "sync",  "rename",
+enum call { OPEN_READ, OPEN_WRITE, WRITE, SYNC, RENAME, LOCK, TRUNCATE, MKDIR, REMOVE, CALLS };
+static const char *const names[CALLS] = {"open-read", "open-write", "write", "sync",  "rename",
                                          "lock", "truncate", "mkdir", "remove"};
 
 enum action { PASS, FAIL, SHORT, FULL, TORN, BEFORE, AFTER };
@@ -110,7 +110,7 @@ static int meet(struct met *met, enum call call) {
   met->call = call;
   met->number = atomic_fetch_add(&counts[call], 1) + 1;
   met->action = PASS;
-  int needs_space = call == WRITE || call == CREATE || call == MKDIR;
+  int needs_space = call == WRITE || call == OPEN_WRITE || call == MKDIR;
   if (needs_space && atomic_load(&disk_is_full)) {
     met->action = FAIL;
   } else if ((int)call == target && met->number >= at) {
@@ -166,11 +166,13 @@ static void finish(const struct met *met, long result) {
     return result;                     \
   } while (0)
 
-static int is_create(int flags) { return (flags & O_CREAT) != 0; }
+static enum call kind_of(int flags) {
+  return flags & (O_CREAT | O_WRONLY | O_RDWR) ? OPEN_WRITE : OPEN_READ;
+}
 
 #define OPEN_MODE(flags)            \
   mode_t mode = 0;                  \
-  if (is_create(flags)) {           \
+  if (flags & O_CREAT) {           \
     va_list rest;                   \
     va_start(rest, flags);          \
     mode = va_arg(rest, mode_t);    \
@@ -180,21 +182,21 @@ static int is_create(int flags) { return (flags & O_CREAT) != 0; }
 int open64(const char *name, int flags, ...) {
   OPEN_MODE(flags)
   int (*real)(const char *, int, ...) = next("open64");
-  PASS_ON(is_create(flags) ? CREATE : OPEN, of_name(AT_FDCWD, name, met.path),
+  PASS_ON(kind_of(flags), of_name(AT_FDCWD, name, met.path),
           real(name, flags, mode));
 }
 
 int open(const char *name, int flags, ...) {
   OPEN_MODE(flags)
   int (*real)(const char *, int, ...) = next("open");
-  PASS_ON(is_create(flags) ? CREATE : OPEN, of_name(AT_FDCWD, name, met.path),
+  PASS_ON(kind_of(flags), of_name(AT_FDCWD, name, met.path),
           real(name, flags, mode));
 }
 
 int openat64(int fd, const char *name, int flags, ...) {
   OPEN_MODE(flags)
   int (*real)(int, const char *, int, ...) = next("openat64");
-  PASS_ON(is_create(flags) ? CREATE : OPEN, of_name(fd, name, met.path),
+  PASS_ON(kind_of(flags), of_name(fd, name, met.path),
           real(fd, name, flags, mode));
 }
 

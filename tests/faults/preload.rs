@@ -7,10 +7,9 @@ use std::process::Command;
 /// A kind of system call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Call {
-    /// Opening what is there.
-    Open,
-    /// Opening what is made if it is not there.
-    Create,
+    OpenToRead,
+    /// Also of what is made.
+    OpenToWrite,
     Write,
     /// Of a file or a folder.
     Sync,
@@ -24,8 +23,8 @@ pub(crate) enum Call {
 
 impl Call {
     const ALL: [Self; 9] = [
-        Self::Open,
-        Self::Create,
+        Self::OpenToRead,
+        Self::OpenToWrite,
         Self::Write,
         Self::Sync,
         Self::Rename,
@@ -38,8 +37,8 @@ impl Call {
     /// What the library calls it.
     pub(crate) const fn name(self) -> &'static str {
         match self {
-            Self::Open => "open",
-            Self::Create => "create",
+            Self::OpenToRead => "open-read",
+            Self::OpenToWrite => "open-write",
             Self::Write => "write",
             Self::Sync => "sync",
             Self::Rename => "rename",
@@ -64,7 +63,11 @@ impl Call {
 
 impl fmt::Display for Call {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
+        f.write_str(match self {
+            Self::OpenToRead => "open to read",
+            Self::OpenToWrite => "open to write",
+            _ => self.name(),
+        })
     }
 }
 
@@ -127,7 +130,7 @@ impl Fault {
     fn lasts(self, call: Call) -> Option<&'static str> {
         match (call, self) {
             (Call::Lock, Self::NoCall | Self::NoLocks | Self::NotSupported) => Some("call"),
-            (Call::Open, Self::NoSpace | Self::Io | Self::Invalid) => Some("file"),
+            (Call::OpenToRead, Self::NoSpace | Self::Io | Self::Invalid) => Some("file"),
             _ => None,
         }
     }
