@@ -22,7 +22,7 @@ const HASHES: &[(Task, u64)] = &[
     (Task::TPush, 0x0de5_6f06_48f9_19a2),
     (Task::TStack, 0x565c_4258_c0e6_8bad),
     (Task::Drawer, 0xe1c9_565b_54aa_8120),
-    (Task::DrawerBox, 0x80bf_3923_2179_c9a9),
+    (Task::DrawerBox, 0xe3c1_a153_645d_b734),
 ];
 
 #[test]

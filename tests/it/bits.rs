@@ -10,7 +10,7 @@ use std::fmt::Write as _;
 const HASHES: &[(&str, &str, &str)] = &[
     ("push", "c57b3942e84d0502", "abf20457a64315a1"),
     ("dpush", "ce2d73ff80702d85", "29e25cc45f9991bb"),
-    ("drawer-box", "56e5f3af187c53e5", "9073468a6c1eda4e"),
+    ("drawer-box", "ed5e14382f125045", "d8f97ee0031a72fe"),
 ];
 
 #[test]

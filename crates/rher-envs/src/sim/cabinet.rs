@@ -1,6 +1,7 @@
 //! A cabinet with a drawer that is pulled by its handle.
 
 use super::body::{Body, Motion};
+use super::edges::rounded;
 use super::look::{DRAWER as PAINT, FURNITURE};
 use super::material::with_friction;
 use super::scenery::Scenery;
@@ -79,7 +80,7 @@ impl Scenery {
         ] {
             for (centre, half) in boxes {
                 let wall = with_friction(ColliderBuilder::cuboid(half.x, half.y, half.z));
-                let wall = wall.translation(*centre).mass(mass);
+                let wall = rounded(wall).translation(*centre).mass(mass);
                 self.colliders.insert_with_parent(wall, body, &mut self.bodies);
             }
         }

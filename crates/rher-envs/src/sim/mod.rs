@@ -6,6 +6,7 @@ mod body;
 mod cabinet;
 mod camera;
 mod convert;
+mod edges;
 mod gripper;
 mod late;
 mod look;

@@ -2,6 +2,7 @@
 
 use super::body::{Body, Loose};
 use super::convert::glam;
+use super::edges::rounded;
 use super::gripper::HandRange;
 use super::look::{FURNITURE, Look, Solid, TABLE};
 use super::material::{rough, slippery, with_friction};
@@ -220,7 +221,7 @@ impl Scenery {
             (0.0, SIDE, HOLE, RIM),
         ] {
             let wall = with_friction(ColliderBuilder::cuboid(half_x, half_y, PLATE_HEIGHT / 2.0));
-            let wall = wall.translation(Vector::new(x, y, 0.0));
+            let wall = rounded(wall).translation(Vector::new(x, y, 0.0));
             self.colliders.insert_with_parent(wall, body, &mut self.bodies);
         }
         self.show("plate", Body(body), &[FURNITURE]);

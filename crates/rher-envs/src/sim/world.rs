@@ -3,6 +3,7 @@
 use super::body::{Body, Loose, Motion};
 use super::camera::Camera;
 use super::convert::{glam, nalgebra, point};
+use super::edges::RoundedEdges;
 use super::gripper::{Fingers, Grip, Gripper, HandRange};
 use super::late::Late;
 use super::look::Look;
@@ -193,7 +194,7 @@ impl World {
                 &mut self.multibody_joints,
                 &mut self.soft_bodies,
                 continuous,
-                &(),
+                &RoundedEdges,
                 &(),
             );
         }
