@@ -150,6 +150,7 @@ fn every_configuration_goes_round() {
 fn settings_explain_themselves() {
     let rher = Rher::new();
     let list = rher.ok("train --set help");
+    assert_eq!(rher.ok("sweep push --seeds 1 --set help"), list);
     assert!(list.starts_with("Every setting"), "{list}");
     assert!(list.contains("\n  agent.target_rate "), "{list}");
     let short = rher.ok("config push");

@@ -4,8 +4,8 @@ use crate::exit_code::Status;
 use crate::plot::{Clock, Measure};
 use crate::printer::Verbosity;
 use crate::values::{
-    Assignment, AssignmentOrHelp, Axis, ExperimentName, Seeds, engine, episodes, method, picture,
-    preset, rate, recording, task, toml_integer, workers,
+    Assignment, Axis, ExperimentName, Seeds, engine, episodes, method, or_help, picture, preset,
+    rate, recording, task, toml_integer, workers,
 };
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use rher_core::config::{EngineKind, Method, Preset};
@@ -165,8 +165,9 @@ pub(crate) struct SweepArgs {
     #[arg(value_parser = task())]
     pub(crate) task: Task,
 
-    /// A setting and its values, as in `--set relay.mirror=0,0.5`; may be repeated
-    #[arg(long = "set", value_name = "KEY=VALUE,...")]
+    /// A setting and its values, as in `--set relay.mirror=0,0.5`; may be repeated; `--set help` lists
+    /// the settings
+    #[arg(long = "set", value_name = "KEY=VALUE,...", value_parser = or_help::<Axis>())]
     pub(crate) vary: Vec<Axis>,
 
     /// Preset to start from
@@ -252,7 +253,7 @@ pub(crate) struct SettingsArgs {
     pub(crate) config: Option<PathBuf>,
 
     /// A setting to change, as in `--set agent.discount=0.98`; may be repeated; `--set help` lists them
-    #[arg(long, value_name = "KEY=VALUE", value_parser = AssignmentOrHelp)]
+    #[arg(long, value_name = "KEY=VALUE", value_parser = or_help::<Assignment>())]
     pub(crate) set: Vec<Assignment>,
 
     /// Training method [default: rher]
@@ -448,7 +449,7 @@ pub(crate) struct PlotArgs {
     pub(crate) runs: Vec<PathBuf>,
 
     /// Image file to write; its name ends in .svg or .png
-    #[arg(short, long, value_name = "FILE", default_value = "curves.svg", value_parser = picture)]
+    #[arg(short, long, value_name = "FILE", default_value = "curves.svg", value_parser = picture())]
     pub(crate) out: PathBuf,
 
     /// Horizontal axis

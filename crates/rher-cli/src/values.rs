@@ -5,9 +5,10 @@ use clap::builder::{
     PathBufValueParser, PossibleValue, PossibleValuesParser, RangedU64ValueParser,
     StringValueParser, TypedValueParser, ValueParser,
 };
-use rher_core::config::{EngineKind, Method, Preset};
+use rher_core::config::{EngineKind, Kind, Method, Preset, Value};
 use rher_envs::Task;
 use std::ffi::OsStr;
+use std::marker::PhantomData;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -62,26 +63,33 @@ impl FromStr for Assignment {
     }
 }
 
-/// Reads an [`Assignment`]; `help` prints the list of settings instead.
+/// Reads the settings of `--set`; `help` prints the list of settings instead.
 #[derive(Clone)]
-pub(crate) struct AssignmentOrHelp;
+pub(crate) struct OrHelp<T>(PhantomData<T>);
 
-impl TypedValueParser for AssignmentOrHelp {
-    type Value = Assignment;
+pub(crate) const fn or_help<T>() -> OrHelp<T> {
+    OrHelp(PhantomData)
+}
+
+impl<T> TypedValueParser for OrHelp<T>
+where
+    T: FromStr<Err = String> + Clone + Send + Sync + 'static,
+{
+    type Value = T;
 
     fn parse_ref(
         &self,
         command: &clap::Command,
         arg: Option<&clap::Arg>,
         value: &OsStr,
-    ) -> Result<Assignment, clap::Error> {
+    ) -> Result<T, clap::Error> {
         if value == "help" {
             // An error that is made by hand would be printed as one.
             let list = clap::Command::new("help").override_help(rher_runs::settings::list());
             let help = list.try_get_matches_from(["help", "--help"]);
             return Err(help.expect_err("it is asked for help"));
         }
-        let parser = StringValueParser::new().try_map(|text| text.parse::<Assignment>());
+        let parser = StringValueParser::new().try_map(|text| text.parse::<T>());
         parser.parse_ref(command, arg, value)
     }
 }
@@ -144,34 +152,33 @@ fn toml_value(text: &str) -> Result<toml::Value, String> {
 }
 
 pub(crate) fn preset() -> ValueParser {
-    named(Preset::ALL, Preset::name, |preset| match preset {
-        Preset::Fast => "Reaches the success rate in the shortest time on your machine",
-        Preset::SampleEfficient => "Reaches the success rate in the fewest environment steps",
-        Preset::Paper => "The published settings",
-    })
+    named(Preset::ALL, Preset::name)
 }
 
 pub(crate) fn method() -> ValueParser {
-    named(Method::ALL, Method::name, |method| match method {
-        Method::Rher => "Relay hindsight: all sub-tasks, with guided exploration",
-        Method::Her => "Plain hindsight: the last sub-task alone, without a guide",
-    })
+    named(Method::ALL, Method::name)
 }
 
 pub(crate) fn engine() -> ValueParser {
-    named(EngineKind::AVAILABLE, EngineKind::name, |engine| match engine {
-        EngineKind::Burn => "Burn's automatic differentiation: the reference",
-        EngineKind::Fused => "Explicit forward and backward passes over preallocated buffers",
-    })
+    named(EngineKind::AVAILABLE, EngineKind::name)
 }
 
-/// Takes the name of one of `all`.
-fn named<T: Copy + Send + Sync + 'static>(
-    all: &'static [T],
-    name: fn(T) -> &'static str,
-    help: fn(T) -> &'static str,
-) -> ValueParser {
-    let possible = all.iter().map(|&value| PossibleValue::new(name(value)).help(help(value)));
+/// Takes the name of one of `all`, whose help is the first paragraph of its documentation.
+fn named<T>(all: &'static [T], name: fn(T) -> &'static str) -> ValueParser
+where
+    T: Value + Copy + Send + Sync + 'static,
+{
+    let choices = match T::KIND {
+        Kind::Choice(choices) => choices,
+        _ => &[],
+    };
+    let possible = all.iter().map(|&value| {
+        let choice = choices.iter().find(|choice| choice.name == name(value));
+        let lines = choice.map_or(&[][..], |choice| choice.doc);
+        let paragraph: Vec<_> =
+            lines.iter().map(|line| line.trim()).take_while(|line| !line.is_empty()).collect();
+        PossibleValue::new(name(value)).help(paragraph.join(" ").trim_end_matches('.').to_owned())
+    });
     ValueParser::new(PossibleValuesParser::new(possible).try_map(move |chosen| {
         let found = all.iter().copied().find(|&value| name(value) == chosen);
         found.ok_or("there is no such value")
@@ -196,12 +203,13 @@ pub(crate) fn recording() -> impl TypedValueParser<Value = PathBuf> {
     })
 }
 
-pub(crate) fn picture(name: &str) -> Result<PathBuf, String> {
-    let path = PathBuf::from(name);
-    match path.extension().and_then(|extension| extension.to_str()) {
-        Some("svg" | "png") => Ok(path),
-        _ => Err("expected a name that ends in .svg or .png".to_owned()),
-    }
+/// Paths of charts.
+pub(crate) fn picture() -> impl TypedValueParser<Value = PathBuf> {
+    PathBufValueParser::new().try_map(|path| {
+        let fits =
+            path.extension().is_some_and(|extension| extension == "svg" || extension == "png");
+        fits.then_some(path).ok_or("expected a name that ends in .svg or .png")
+    })
 }
 
 /// Numbers of threads.
