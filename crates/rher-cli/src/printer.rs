@@ -1,5 +1,6 @@
 //! The one place that writes to the terminal: data to stdout, all else to stderr.
 
+use std::borrow::Cow;
 use std::fmt::Display;
 use std::io::{self, Write as _};
 
@@ -32,7 +33,7 @@ impl Printer {
     pub(crate) fn data(self, text: &str) -> Result<(), StdoutError> {
         let mut stdout = io::stdout().lock();
         let written = stdout
-            .write_all(text.as_bytes())
+            .write_all(uncontrolled(text).as_bytes())
             .and_then(|()| if text.ends_with('\n') { Ok(()) } else { stdout.write_all(b"\n") })
             .and_then(|()| stdout.flush());
         match written {
@@ -72,5 +73,52 @@ pub(crate) struct StdoutError(#[source] pub(crate) io::Error);
 
 /// Nobody can be told that stderr is closed.
 fn tell(text: impl Display) {
-    let _ = writeln!(io::stderr().lock(), "{text}");
+    let _ = writeln!(io::stderr().lock(), "{}", printable(&text.to_string()));
+}
+
+/// Data without characters that command a terminal; lines of data have any length.
+fn uncontrolled(text: &str) -> Cow<'_, str> {
+    if text.chars().any(commands) {
+        text.chars().fold(String::with_capacity(text.len()), add).into()
+    } else {
+        text.into()
+    }
+}
+
+fn commands(character: char) -> bool {
+    character.is_control() && character != '\t' && character != '\n'
+}
+
+fn add(mut text: String, character: char) -> String {
+    if commands(character) {
+        text.extend(character.escape_default());
+    } else {
+        text.push(character);
+    }
+    text
+}
+
+/// Longest line in characters; names in files may have any length.
+const LONGEST_LINE: usize = 2000;
+
+/// Text for a terminal: without characters that command it, and with long lines cut. Names in
+/// files may hold such characters and have any length.
+fn printable(text: &str) -> String {
+    let cut = |line: &str| match line.char_indices().nth(LONGEST_LINE) {
+        Some((at, _)) => format!("{}… ({} bytes more)", &line[..at], line.len() - at),
+        None => line.to_owned(),
+    };
+    uncontrolled(text).split('\n').map(cut).collect::<Vec<_>>().join("\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_would_command_the_terminal_is_escaped_and_long_lines_are_cut() {
+        assert_eq!(printable("a\u{1b}[2Jb\r\tc\nd"), "a\\u{1b}[2Jb\\r\tc\nd");
+        let long = printable(&format!("{}\nend", "é".repeat(LONGEST_LINE + 1)));
+        assert!(long.ends_with("é… (2 bytes more)\nend"), "{long}");
+    }
 }
