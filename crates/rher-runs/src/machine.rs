@@ -1,5 +1,6 @@
 //! What a run is made with: the program and the machine.
 
+use crate::config_file::is_absent;
 use rher_core::files::{self, FileError};
 use serde::{Deserialize, Serialize};
 use std::num::NonZeroUsize;
@@ -7,6 +8,9 @@ use std::path::Path;
 use std::{env, fs, thread};
 
 const MACHINE_FILE: &str = "machine.toml";
+
+/// Largest file in bytes; that of a machine has about 100.
+const LARGEST: u64 = 1 << 16;
 
 /// The program and the machine that made a run; results depend on neither, times do.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -36,8 +40,16 @@ impl Machine {
     }
 
     /// The one that made the run in a folder, if that was kept.
-    pub fn of_run(folder: &Path) -> Option<Self> {
-        toml::from_str(&fs::read_to_string(folder.join(MACHINE_FILE)).ok()?).ok()
+    ///
+    /// # Errors
+    ///
+    /// What is wrong with the file that says it.
+    pub fn of_run(folder: &Path) -> Result<Option<Self>, String> {
+        match files::read_at_most(&folder.join(MACHINE_FILE), LARGEST) {
+            Ok(bytes) => toml::from_slice(&bytes).map(Some).map_err(|error| error.to_string()),
+            Err(error) if is_absent(&error.source) => Ok(None),
+            Err(error) => Err(error.source.to_string()),
+        }
     }
 
     /// Keeps it with a run.

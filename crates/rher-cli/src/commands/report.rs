@@ -132,12 +132,15 @@ fn machines(folders: &[PathBuf]) -> Table {
     let mut machines = Table::new();
     machines.set_header(["what", "program", "system", "processor", "cores"]);
     let runs = folders.iter().map(|path| (path.display().to_string(), Machine::of_run(path)));
-    for (what, machine) in runs.chain([("this page".to_owned(), Some(Machine::here()))]) {
-        let known = machine.map(|Machine { program, system, processor, cores }| {
-            [program, system, processor, cores.to_string()]
-        });
-        let unknown = || ["unknown", "", "", ""].map(str::to_owned);
-        machines.add_row([what].into_iter().chain(known.unwrap_or_else(unknown)));
+    for (what, machine) in runs.chain([("this page".to_owned(), Ok(Some(Machine::here())))]) {
+        let row = match machine {
+            Ok(Some(Machine { program, system, processor, cores })) => {
+                [program, system, processor, cores.to_string()]
+            }
+            Ok(None) => ["unknown", "", "", ""].map(str::to_owned),
+            Err(_) => ["its `machine.toml` is damaged", "", "", ""].map(str::to_owned),
+        };
+        machines.add_row([what].into_iter().chain(row));
     }
     machines
 }
