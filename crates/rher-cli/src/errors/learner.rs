@@ -34,6 +34,9 @@ impl Explain for EvaluateError {
     fn report(&self) -> Option<Report> {
         match self {
             Self::Rollout(error) => error.report(),
+            Self::Mismatch(_) => {
+                Some(Report::new(Status::Damaged, "give a policy that was trained for this task"))
+            }
             _ => None,
         }
     }

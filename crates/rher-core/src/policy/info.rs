@@ -56,7 +56,8 @@ impl PolicyInfo {
     pub fn check_spec<const N: usize>(&self, spec: &EnvSpec<N>) -> Result<(), Mismatch> {
         check("objects", self.objects, N)?;
         check("obs_dim", self.obs_dim, spec.obs_dim)?;
-        check("action_dim", self.action_dim, spec.action_dim)
+        check("action_dim", self.action_dim, spec.action_dim)?;
+        check("subtasks", self.subtasks, spec.subtasks)
     }
 }
 
