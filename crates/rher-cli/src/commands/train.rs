@@ -207,6 +207,10 @@ fn run<const N: usize, E: Simulated<N>>(
     let finish = trainer.run(Some(&path), &mut watch, stop.flag());
     watch.progress.finish();
     let recorded = watch.recorder.map(Recorder::finish).transpose();
+    if finish.is_err() {
+        // Whatever failed, failed because of it.
+        watch.folder.check()?;
+    }
     let finish = finish?;
     match recorded {
         Ok(Some(Some((episodes, path)))) => {
