@@ -54,7 +54,8 @@ enum ForeignError {
     Raised(String),
     #[error(
         "it ended its episode after {step} steps, expected {expected}: every episode must have \
-         the same number of steps"
+         the same number of steps; wrap an environment that ends on success, so that its `step` \
+         returns `terminated=False`"
     )]
     EndedEarly { step: usize, expected: usize },
 }

@@ -23,7 +23,6 @@ use rher_runs::{
 };
 use serde::Deserialize;
 use std::collections::BTreeMap;
-use std::error::Error;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
@@ -91,12 +90,12 @@ impl Trainer {
             let Settings { config, options } =
                 settings::resolve_here(task, &asked).map_err(from_settings)?;
             let path = out.unwrap_or_else(|| RunDir::default_path(&config));
-            let folder = RunDir::create(&path).map_err(from_run_dir)?;
             let envs = config.envs;
             let start = Start::New(Box::new(config));
             let trainer = task.visit_with(&options, OfTask { start, envs, workers });
             let trainer = trainer.map_err(|error| SettingsError::new_err(told(&error)))?;
             let trainer = trainer.map_err(|error| from_train(&error, None))?;
+            let folder = RunDir::create(&path).map_err(from_run_dir)?;
             Self::begun(trainer, folder, options, Raised::default())
         })?
     }
@@ -118,10 +117,10 @@ impl Trainer {
             let config = settings::resolve_foreign(&about.name, about.objects.max(1), &asked)
                 .map_err(from_settings)?;
             let path = out.unwrap_or_else(|| RunDir::default_path(&config));
-            let folder = RunDir::create(&path).map_err(from_run_dir)?;
             let raised = Raised::default();
             let start = Start::New(Box::new(config));
             let trainer = on_foreign(env, &about, start, workers, &raised)?;
+            let folder = RunDir::create(&path).map_err(from_run_dir)?;
             Self::begun(trainer, folder, Options::default(), raised)
         })?
     }
@@ -295,6 +294,9 @@ impl Session {
             Ok(finish) => return Ok(finish),
             Err(error) => error,
         };
+        if let Err(gone) = folder.check() {
+            return Err(from_run_dir(gone));
+        }
         let raised = raised.lock().unwrap_or_else(PoisonError::into_inner).take();
         if matches!(error, CoreTrainError::Rollout { .. } | CoreTrainError::Evaluate { .. }) {
             trainer.save(folder.path()).map_err(|error| from_train(&error, None))?;
@@ -361,15 +363,14 @@ fn as_dict<'py>(py: Python<'py>, event: &Event) -> PyResult<Bound<'py, PyDict>> 
 #[pyfunction]
 pub(crate) fn run_settings(folder: PathBuf) -> PyResult<String> {
     let path = folder.join(CONFIG_FILE);
-    let damaged = |error: &dyn Error| match error.downcast_ref() {
-        Some(ConfigFileError::File(error)) => FileError::new_err(told(error)),
-        _ => SettingsError::new_err(told(error)),
-    };
-    let file = ConfigFile::read(&folder).map_err(|error| damaged(&error))?;
+    let file = ConfigFile::read(&folder).map_err(|error| match error {
+        ConfigFileError::File(error) => FileError::new_err(told(&error)),
+        error => SettingsError::new_err(told(&error)),
+    })?;
     let file = file.ok_or_else(|| {
         FileError::new_err(format!("cannot read `{}`: there is no such file", path.display()))
     })?;
-    serde_json::to_string(&file.into_table()).map_err(|error| damaged(&error))
+    serde_json::to_string(&file.into_table()).map_err(|error| SettingsError::new_err(told(&error)))
 }
 
 fn parse_about(json: &str) -> PyResult<About> {
