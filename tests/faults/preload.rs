@@ -125,11 +125,16 @@ impl Fault {
         }
     }
 
+    /// Whether the file system has no such call.
+    pub(crate) fn is_missing(self, call: Call) -> bool {
+        call == Call::Lock && matches!(self, Self::NoCall | Self::NoLocks | Self::NotSupported)
+    }
+
     /// Which later calls fail as well: a service that is missing is missing for all, and a file
     /// that cannot be opened cannot be opened again.
     fn lasts(self, call: Call) -> Option<&'static str> {
         match (call, self) {
-            (Call::Lock, Self::NoCall | Self::NoLocks | Self::NotSupported) => Some("call"),
+            _ if self.is_missing(call) => Some("call"),
             (Call::OpenToRead, Self::NoSpace | Self::Io | Self::Invalid) => Some("file"),
             _ => None,
         }
