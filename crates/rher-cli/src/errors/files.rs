@@ -29,6 +29,18 @@ fn unwritable(error: &io::Error) -> Report {
              checkpoint with `rher train --resume DIR`",
         ),
         io::ErrorKind::InvalidFilename => Report::new(Status::Unwritable, "choose a shorter name"),
-        _ => Report::new(Status::Unwritable, "choose a place where you have write permission"),
+        io::ErrorKind::PermissionDenied
+        | io::ErrorKind::ReadOnlyFilesystem
+        | io::ErrorKind::NotFound
+        | io::ErrorKind::NotADirectory
+        | io::ErrorKind::IsADirectory
+        | io::ErrorKind::AlreadyExists => {
+            Report::new(Status::Unwritable, "choose a place where you have write permission")
+        }
+        _ => Report::new(
+            Status::Unwritable,
+            "the disk or its file system refused; when it works again, repeat the command; a run \
+             that had begun continues from its last checkpoint with `rher train --resume DIR`",
+        ),
     }
 }
