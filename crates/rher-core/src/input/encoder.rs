@@ -56,7 +56,7 @@ impl InputEncoder {
 
     /// How many objects its goals have.
     pub fn objects(&self) -> usize {
-        self.slots.len() - 1
+        self.slots.len().saturating_sub(1)
     }
 
     /// Whether its parts fit each other, which those of a damaged file may not.
