@@ -202,3 +202,29 @@ fn a_damaged_episode_is_named() {
     let error = Trainer::resume(folder.path(), envs(1), 1).err().unwrap().to_string();
     assert!(error.contains("episode 5: checksum"), "{error}");
 }
+
+#[test]
+fn a_flipped_bit_of_any_byte_of_a_checkpoint_is_noticed() {
+    let mut config = config();
+    config.agent.hidden = vec![1];
+    let folder = tempfile::tempdir().unwrap();
+    let mut trainer = Trainer::new(config, envs(1), 1).unwrap();
+    run_until(folder.path(), &mut trainer, 2);
+    fs::remove_file(folder.path().join("checkpoint/previous.ckpt")).unwrap();
+    for file in ["current.ckpt", "replay-000000.episodes"] {
+        let path = folder.path().join("checkpoint").join(file);
+        let whole = fs::read(&path).unwrap();
+        // One bit of every byte of the checkpoint, and of some of the much longer episodes.
+        let every = if file == "current.ckpt" { 1 } else { 37 };
+        let flips = (0..whole.len()).map(|byte| 8 * byte + byte % 8).step_by(every);
+        for bit in flips {
+            let mut damaged = whole.clone();
+            damaged[bit / 8] ^= 1 << (bit % 8);
+            fs::write(&path, damaged).unwrap();
+            let resumed = Trainer::resume(folder.path(), envs(1), 1);
+            assert!(resumed.is_err(), "bit {bit} of {file}");
+        }
+        fs::write(&path, whole).unwrap();
+    }
+    assert!(Trainer::resume(folder.path(), envs(1), 1).is_ok());
+}
