@@ -31,7 +31,7 @@
 
 enum call { OPEN_READ, OPEN_WRITE, WRITE, SYNC, RENAME, LOCK, TRUNCATE, MKDIR, REMOVE, CALLS };
 static const char *const names[CALLS] = {"open-read", "open-write", "write", "sync",  "rename",
-                                         "lock", "truncate", "mkdir", "remove"};
+                                         "lock",      "truncate",   "mkdir", "remove"};
 
 enum action { PASS, FAIL, SHORT, FULL, TORN, BEFORE, AFTER };
 
@@ -67,12 +67,12 @@ __attribute__((constructor)) static void begin(int argc, char **argv) {
   const char *last = getenv("FAULTS_LASTING");
   lasting = !last ? ONCE : strcmp(last, "call") ? SAME_FILE : CALL;
   error_number = atoi(what);
-  action = error_number            ? FAIL
-           : !strcmp(what, "short") ? SHORT
-           : !strcmp(what, "full")  ? FULL
-           : !strcmp(what, "torn")  ? TORN
+  action = error_number              ? FAIL
+           : !strcmp(what, "short")  ? SHORT
+           : !strcmp(what, "full")   ? FULL
+           : !strcmp(what, "torn")   ? TORN
            : !strcmp(what, "before") ? BEFORE
-                                    : AFTER;
+                                     : AFTER;
 }
 
 static void *next(const char *name) {
@@ -155,28 +155,28 @@ static void finish(const struct met *met, long result) {
 }
 
 // A call that returns a number, and -1 for an error.
-#define PASS_ON(kind, find, real)      \
-  do {                                 \
-    struct met met;                    \
-    find;                              \
+#define PASS_ON(kind, find, real)       \
+  do {                                  \
+    struct met met;                     \
+    find;                               \
     if (!meet(&met, kind)) return real; \
-    if (fails(&met)) return -1;        \
-    long result = real;                \
-    finish(&met, result);              \
-    return result;                     \
+    if (fails(&met)) return -1;         \
+    long result = real;                 \
+    finish(&met, result);               \
+    return result;                      \
   } while (0)
 
 static enum call kind_of(int flags) {
   return flags & (O_CREAT | O_WRONLY | O_RDWR) ? OPEN_WRITE : OPEN_READ;
 }
 
-#define OPEN_MODE(flags)            \
-  mode_t mode = 0;                  \
-  if (flags & O_CREAT) {           \
-    va_list rest;                   \
-    va_start(rest, flags);          \
-    mode = va_arg(rest, mode_t);    \
-    va_end(rest);                   \
+#define OPEN_MODE(flags)         \
+  mode_t mode = 0;               \
+  if (flags & O_CREAT) {         \
+    va_list rest;                \
+    va_start(rest, flags);       \
+    mode = va_arg(rest, mode_t); \
+    va_end(rest);                \
   }
 
 int open64(const char *name, int flags, ...) {

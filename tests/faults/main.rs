@@ -21,7 +21,7 @@ use std::time::Duration;
 #[test]
 fn every_fault_has_the_outcome_that_the_table_says() {
     let Some(library) = preload::library() else {
-        eprintln!("left out: there is no C compiler, or this is not Linux");
+        eprintln!("left out: there is no C compiler, or this is not Linux with glibc");
         return;
     };
     let number = |name: &str| -> Option<u64> {

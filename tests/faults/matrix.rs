@@ -49,6 +49,8 @@ struct Trial {
 pub(crate) struct Report {
     seed: u64,
     seconds: f64,
+    /// How many faults in how many calls there are.
+    different: usize,
     /// Trials and failures of each kind.
     counts: BTreeMap<(Verb, Kind), [usize; 2]>,
     pub(crate) failures: Vec<String>,
@@ -67,7 +69,9 @@ pub(crate) fn run(program: &Program, seed: u64, time: Option<Duration>) -> Repor
     };
     let next = AtomicUsize::new(0);
     let is_over = AtomicBool::new(false);
-    let report = Mutex::new(Report { seed, idle: idle(&queue, &benches), ..Report::default() });
+    let different = benches.iter().map(|bench| bench.faults().count()).sum();
+    let idle = idle(&queue, &benches);
+    let report = Mutex::new(Report { seed, different, idle, ..Report::default() });
     let work = |queue: &[Trial]| {
         while let Some(&Trial { bench, disturbance }) =
             queue.get(next.fetch_add(1, Ordering::Relaxed))
@@ -170,8 +174,10 @@ impl Report {
         let (kills, chains) = (sum(&|kind| kind == Kind::Kill), sum(&|kind| kind == Kind::Chain));
         let minutes = self.seconds / 60.0;
         format!(
-            "{faults} faults, {kills} kills at random moments and {chains} chains of faults in \
-             {minutes:.1} minutes, {:.0} per minute, seed {}: {} failures",
+            "{faults} faults (there are {} different ones), {kills} kills at random moments and \
+             {chains} chains of faults in {minutes:.1} minutes, {:.0} per minute, seed {}: {} \
+             failures",
+            self.different,
             (faults + kills + chains) as f64 / minutes,
             self.seed,
             self.failures.len()

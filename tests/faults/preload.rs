@@ -218,9 +218,9 @@ pub(crate) fn read_log(path: &Path) -> Vec<Noted> {
     text.lines().map(|line| Noted::parse(line).unwrap_or_else(|| panic!("{line}"))).collect()
 }
 
-/// Compiles the library; `None` where there is no C compiler, or no preloading.
+/// Compiles the library; `None` where there is no C compiler, or another C library than it is for.
 pub(crate) fn library() -> Option<PathBuf> {
-    if !cfg!(target_os = "linux") {
+    if !cfg!(all(target_os = "linux", target_env = "gnu")) {
         return None;
     }
     let source = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/faults/inject.c");
