@@ -159,7 +159,7 @@ fn spec<const N: usize>() -> EnvSpec<N> {
         let turn = |from| SignedIndex { offset: 0.0, ..flip(from) };
         Mirror {
             axis,
-            centre: MIRRORS[axis],
+            center: MIRRORS[axis],
             observation: (0..3 + 6 * N).map(flip).collect(),
             action: (0..3).map(turn).collect(),
         }

@@ -99,7 +99,7 @@ fn later_frames_are_drawn_evenly_from_the_next_to_the_last() {
 fn every_mirror_is_drawn_for_itself() {
     let mirror = |axis: usize, flips: [f32; 2]| Mirror {
         axis,
-        centre: 0.0,
+        center: 0.0,
         observation: vec![SignedIndex { from: 0, sign: 1.0, offset: 0.0 }],
         action: (0..2).map(|from| SignedIndex { from, sign: flips[from], offset: 0.0 }).collect(),
     };
@@ -201,7 +201,7 @@ fn shares_end_where_they_should() {
 
     let flip = SignedIndex { from: 0, sign: -1.0, offset: 0.0 };
     let same = SignedIndex { sign: 1.0, ..flip };
-    let mirror = Mirror { axis: 0, centre: 0.0, observation: vec![same], action: vec![flip] };
+    let mirror = Mirror { axis: 0, center: 0.0, observation: vec![same], action: vec![flip] };
     let spec = EnvSpec::<1> { mirrors: vec![mirror], ..EnvSpec::new("draws", 1, 1, STEPS) };
     let relay = RelayConfig { mirror: 0.5, hindsight: 0.0, ..relay(1) };
     let encoder = InputEncoder::new(&relay, &spec);

@@ -15,7 +15,7 @@ fn spec() -> EnvSpec<2> {
     let mut spec = EnvSpec::new("line", 3, 1, 10);
     spec.mirrors = vec![Mirror {
         axis: 0,
-        centre: 0.0,
+        center: 0.0,
         observation: vec![entry(0, -1.0), entry(1, -1.0), entry(2, -1.0)],
         action: vec![entry(0, -1.0)],
     }];
@@ -46,7 +46,7 @@ fn a_wrong_specification_is_named() {
         (|spec| spec.tolerances = Tolerances::uniform(-0.1), "`tolerances.gripper` = -0.1"),
         (|spec| spec.tolerances.objects[1] = f32::NAN, "`tolerances.objects[1]` = NaN"),
         (|spec| spec.mirrors[0].axis = 3, "`mirrors[0]` = axis 3"),
-        (|spec| spec.mirrors[0].centre = f32::NAN, "at NaN m"),
+        (|spec| spec.mirrors[0].center = f32::NAN, "at NaN m"),
         (|spec| spec.mirrors[0].action.clear(), "0 entries for its action, expected 1"),
         (
             |spec| spec.mirrors[0].observation[1].from = 3,

@@ -20,7 +20,7 @@ mod goals;
 mod memory;
 #[cfg(feature = "train")]
 mod policies;
-mod relabelling;
+mod relabeling;
 mod replays;
 #[cfg(feature = "train")]
 mod spelled_out;

@@ -9,7 +9,7 @@ use rher_core::env::{Env, EnvError, EnvSpec, Start};
 use rher_core::event::{Event, Metrics, Observer, ObserverError};
 use rher_core::goal::{Achieved, Desired, Position, Scene, Tolerances};
 
-/// How far an action moves the gripper, in metres.
+/// How far an action moves the gripper, in meters.
 const STRIDE: f32 = 0.1;
 /// How near the gripper must be for an object to stick to it.
 const GRASP: f32 = 0.1;

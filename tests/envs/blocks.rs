@@ -10,25 +10,25 @@ use rher_envs::tasks::{DPush, Stack, TPush, TStack};
 use rher_envs::{ACTION_WIDTH, Simulated, Simulation};
 use std::f32::consts::PI;
 
-/// How near to its target a block is left alone, in metres.
+/// How near to its target a block is left alone, in meters.
 const CLOSE_ENOUGH: f32 = 0.025;
 
-/// Height at which the hand passes over a block, in metres.
+/// Height at which the hand passes over a block, in meters.
 const PASS_HEIGHT: f32 = 0.48;
 
 /// How near to other blocks the hand travels below their tops, its fingers closed or open, in
-/// metres.
+/// meters.
 const CLOSED_WIDTH: f32 = 0.05;
 const OPEN_WIDTH: f32 = 0.08;
 
-/// By how much it is as if a way were longer, in metres: one in two legs, one past another block,
+/// By how much it is as if a way were longer, in meters: one in two legs, one past another block,
 /// one that begins where the fingers do not fit, one that ends where another block has to pass.
 const DETOUR: f32 = 0.4;
 const BLOCKED: f32 = 0.6;
 const TIGHT: f32 = 1.0;
 const BARRED: f32 = 0.1;
 
-/// How far fingers open to grip a block, in metres.
+/// How far fingers open to grip a block, in meters.
 const WIDE_ENOUGH: f32 = 0.033;
 
 /// What the fingers do to grip.
@@ -132,7 +132,7 @@ fn blocks_that_fall_onto_each_other_gain_no_energy() {
         }
     }
     println!("two blocks that fall: {above_start} J over the start, {gained} J over the least");
-    // What landed a few millimetres deep is lifted out again.
+    // What landed a few millimeters deep is lifted out again.
     assert!(above_start < 1e-3 && gained < 0.1, "{above_start} J, {gained} J");
 }
 
@@ -260,7 +260,7 @@ impl Shove {
         (0..N).filter(move |i| *i != self.block).map(|i| scene.objects[i])
     }
 
-    /// Metres to go, and more for what is in the way.
+    /// Meters to go, and more for what is in the way.
     fn effort<const N: usize>(self, from: Position, scene: &Scene<N>) -> f32 {
         // What the block leaves behind is not in its way.
         let blocked = self.others(scene).any(|other| {
@@ -285,8 +285,8 @@ impl Shove {
         if along < -0.03 && aside < 0.012 && hand.z < PASS_HEIGHT - 0.03 {
             // Slower the nearer, since the block glides on.
             let speed = (way.norm() * 15.0).clamp(0.3, 1.0);
-            let centred = block - ahead * 0.035;
-            let correction = flat(centred - hand) * 8.0;
+            let centered = block - ahead * 0.035;
+            let correction = flat(centered - hand) * 8.0;
             let correction = correction - ahead * correction.dot(&ahead);
             let push = ahead * speed + correction;
             return [push.x, push.y, (PUSH_HEIGHT - hand.z) * 20.0, 0.0];
@@ -297,16 +297,16 @@ impl Shove {
 }
 
 /// Places around another one.
-fn ring(centre: Position) -> impl Iterator<Item = Position> {
+fn ring(center: Position) -> impl Iterator<Item = Position> {
     [0.06, 0.1, 0.14].into_iter().flat_map(move |radius| {
         (0..16_u8).map(move |i| {
             let angle = f32::from(i) * PI / 8.0;
-            centre + Vector3::new(angle.cos(), angle.sin(), 0.0) * radius
+            center + Vector3::new(angle.cos(), angle.sin(), 0.0) * radius
         })
     })
 }
 
-/// How near a straight way along the table comes to a place, in metres.
+/// How near a straight way along the table comes to a place, in meters.
 fn distance_to_way(place: Position, from: Position, to: Position) -> f32 {
     let (place, way) = (flat(place - from), flat(to - from));
     let along = (place.dot(&way) / way.norm_squared().max(1e-9)).clamp(0.0, 1.0);
@@ -422,7 +422,7 @@ impl Stacking {
     }
 }
 
-/// The next place on the way to `goal`, with `low` metres below the hand clear of blocks.
+/// The next place on the way to `goal`, with `low` meters below the hand clear of blocks.
 fn fly(
     hand: Position,
     goal: Position,

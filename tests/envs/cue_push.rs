@@ -9,16 +9,16 @@ use rher_core::goal::Position;
 use rher_envs::tasks::CuePush;
 use rher_envs::{ACTION_WIDTH, Layout, OptionValue, Options, Simulated, Simulation, Task};
 
-/// Height of the tip at which it pushes, in metres.
+/// Height of the tip at which it pushes, in meters.
 const PUSH_HEIGHT: f32 = 0.41;
 
-/// Height at which it passes over the cylinder, in metres.
+/// Height at which it passes over the cylinder, in meters.
 const PASS_HEIGHT: f32 = 0.445;
 
-/// How far an action of 1 moves the cue in a step, in metres.
+/// How far an action of 1 moves the cue in a step, in meters.
 const MOVES_BY: f32 = 0.0195;
 
-/// From the middle of the cue to that of a cylinder that it touches, in metres.
+/// From the middle of the cue to that of a cylinder that it touches, in meters.
 const TOUCHING: f32 = 0.03;
 
 fn cue_push() -> Stand<Simulation<CuePush, 1>> {

@@ -9,19 +9,19 @@ use rher_core::goal::{Achieved, Position, Scene};
 use rher_envs::tasks::{Drawer, DrawerBox};
 use rher_envs::{ACTION_WIDTH, Simulated, Simulation};
 
-/// How far the drawer opens, in metres.
+/// How far the drawer opens, in meters.
 const TRAVEL: f32 = 0.2;
 
 /// Where the handle of the closed drawer is in `drawer`.
 const HANDLE: Position = Position::new(1.376, 0.63, 0.45);
 
-/// From the handle to the front of the drawer, in metres.
+/// From the handle to the front of the drawer, in meters.
 const FRONT: f32 = 0.024;
 
-/// Height at which the hand passes over the handle, in metres.
+/// Height at which the hand passes over the handle, in meters.
 const PASS_HEIGHT: f32 = 0.5;
 
-/// How far fingers open to grip the block, in metres.
+/// How far fingers open to grip the block, in meters.
 const WIDE_ENOUGH: f32 = 0.035;
 
 /// What the fingers do to grip.

@@ -5,7 +5,7 @@ use rher_core::goal::Position;
 use rher_envs::tasks::Insert;
 use rher_envs::{ACTION_WIDTH, Layout, Simulated, Simulation};
 
-/// Height of the plate's rim, in metres.
+/// Height of the plate's rim, in meters.
 const RIM: f32 = 0.44;
 
 fn insert() -> Stand<Simulation<Insert, 1>> {

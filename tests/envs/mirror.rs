@@ -78,7 +78,7 @@ fn assert_near(task: Task, seen: &[f32], expected: &[f32], tolerance: f32) {
     }
 }
 
-/// A block that is pushed off its centre turns one way, its mirror image the other.
+/// A block that is pushed off its center turns one way, its mirror image the other.
 #[test]
 fn a_block_turns_the_other_way_in_the_mirror() {
     let turned = |side: f32| {

@@ -78,7 +78,7 @@ fn a_state_of_other_options_is_an_error() {
 }
 
 #[test]
-fn randomised_episodes_repeat_and_stay_sound() {
+fn randomized_episodes_repeat_and_stay_sound() {
     for task in Task::ALL {
         task.visit_with(&with(*task, wildest()), Wild(*task)).unwrap();
     }

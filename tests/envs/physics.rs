@@ -6,7 +6,7 @@ use rand_chacha::ChaCha8Rng;
 use rher_core::goal::Position;
 use rher_envs::{EnvVisitor, Simulated, Task};
 
-/// y of the robot's middle plane, in metres.
+/// y of the robot's middle plane, in meters.
 const MIDDLE: f32 = 0.7491;
 
 #[test]
@@ -81,7 +81,7 @@ fn nothing_passes_through_a_block_at_full_speed() {
 }
 
 #[test]
-fn a_block_falls_once_its_centre_is_past_the_edge() {
+fn a_block_falls_once_its_center_is_past_the_edge() {
     for (beyond, falls) in [(-0.005, false), (0.003, true), (0.008, true)] {
         let mut push = push();
         push.put(1.55 + beyond, 0.9);

@@ -19,7 +19,7 @@ fn draw(things: &[Thing]) -> Image {
     renderer().draw(&Camera::above_table(things), things)
 }
 
-/// Middle of the pixels where one of the three colours is much stronger than the others, and how
+/// Middle of the pixels where one of the three colors is much stronger than the others, and how
 /// many there are.
 fn blob(image: &Image, channel: usize) -> ([f32; 2], usize) {
     let mut sum = [0.0; 2];
@@ -65,7 +65,7 @@ fn what_is_nearer_hides_what_is_behind() {
         let mut thing = things.iter().find(|thing| thing.name == "block_1").unwrap().clone();
         thing.name = "screen".to_owned();
         thing.pose.translation.vector = place.coords;
-        thing.shapes[0].colour = [0.1, 0.1, 0.9, 1.0];
+        thing.shapes[0].color = [0.1, 0.1, 0.9, 1.0];
         things.push(thing);
         blob(&draw(&things), 0).1
     };
@@ -104,7 +104,7 @@ fn a_picture_depends_on_nothing_but_what_is_in_it() {
 }
 
 #[test]
-fn a_png_file_holds_the_same_colours() {
+fn a_png_file_holds_the_same_colors() {
     let image = draw(&things_with_block_at(Position::new(1.3, 0.7, 0.425)));
     let file = image.png().unwrap();
     let mut reader = png::Decoder::new(std::io::Cursor::new(file)).read_info().unwrap();

@@ -4,10 +4,10 @@ use crate::support::{Stand, at_height, flat, pick, push, solved, towards};
 use rher_core::goal::Position;
 use rher_envs::{ACTION_WIDTH, Simulated};
 
-/// Height of the grip centre at which closed fingers push a block, in metres.
+/// Height of the grip center at which closed fingers push a block, in meters.
 pub(crate) const PUSH_HEIGHT: f32 = 0.425;
 
-/// Height at which the hand passes over a block, in metres.
+/// Height at which the hand passes over a block, in meters.
 pub(crate) const PASS_HEIGHT: f32 = 0.5;
 
 /// What the fingers do.
@@ -48,8 +48,8 @@ pub(crate) fn push_controller<E: Simulated<1>>(
     if along < -0.03 && aside < 0.012 && hand.z < PASS_HEIGHT - 0.04 {
         // Slower the nearer, since the block glides on.
         let speed = (way.norm() * 12.0).clamp(0.15, 0.8);
-        let centred = block - ahead * 0.035;
-        let correction = flat(centred - hand) * 8.0;
+        let centered = block - ahead * 0.035;
+        let correction = flat(centered - hand) * 8.0;
         let correction = correction - ahead * correction.dot(&ahead);
         let push = ahead * speed + correction;
         [push.x, push.y, (PUSH_HEIGHT - hand.z) * 20.0, 0.0]

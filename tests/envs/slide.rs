@@ -7,16 +7,16 @@ use rher_core::goal::Position;
 use rher_envs::tasks::Slide;
 use rher_envs::{ACTION_WIDTH, Layout, Simulated, Simulation};
 
-/// What friction takes from a sliding puck, in metres per second squared.
+/// What friction takes from a sliding puck, in meters per second squared.
 const SLOWS_BY: f32 = 0.1 * 9.81;
 
-/// How far behind the puck the hand starts, in metres.
+/// How far behind the puck the hand starts, in meters.
 const RUN_UP: f32 = 0.07;
 
-/// Metres.
+/// Meters.
 const PUCK_RADIUS: f32 = 0.025;
 
-/// Height of the grip centre at which closed fingers push the puck, in metres.
+/// Height of the grip center at which closed fingers push the puck, in meters.
 const PUSH_HEIGHT: f32 = 0.421;
 
 fn slide() -> Stand<Simulation<Slide, 1>> {
@@ -84,7 +84,7 @@ fn foremost(ahead: Vector3<f32>) -> Vector3<f32> {
     Vector3::new(along(0, 0.0135).copysign(ahead.x), along(1, 0.0149).copysign(ahead.y), 0.0)
 }
 
-/// Of the puck, in metres per second.
+/// Of the puck, in meters per second.
 fn velocity<E>(stand: &Stand<E>) -> Vector3<f32> {
     let o = &stand.observation;
     Vector3::new(o[14] + o[20], o[15] + o[21], 0.0) / 0.04

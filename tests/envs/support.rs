@@ -8,13 +8,13 @@ use rher_core::goal::{Achieved, Desired, EncodedGoal, Position, Scene};
 use rher_envs::tasks::{Pick, Push};
 use rher_envs::{ACTION_WIDTH, Layout, OptionValue, Options, Simulated, Simulation, Task};
 
-/// Half the edge of a block, in metres.
+/// Half the edge of a block, in meters.
 pub(crate) const HALF_BLOCK: f32 = 0.025;
 
-/// Height of a block's centre at rest on the table, in metres.
+/// Height of a block's center at rest on the table, in meters.
 pub(crate) const BLOCK_HEIGHT: f32 = 0.42489;
 
-/// From the grip centre down to the fingertips, in metres.
+/// From the grip center down to the fingertips, in meters.
 pub(crate) const FINGERTIP: f32 = 0.0195;
 
 /// An environment and where its objects stand.

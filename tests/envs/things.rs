@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 use rher_core::env::Env as _;
 use rher_core::goal::Position;
 use rher_envs::tasks::{Drawer, Push, TPush};
-use rher_envs::thing::{Form, Role, Thing, object_colour};
+use rher_envs::thing::{Form, Role, Thing, object_color};
 use rher_envs::{EnvVisitor, Layout, Options, Simulated, Simulation, Task};
 use std::collections::BTreeSet;
 
@@ -39,7 +39,7 @@ fn every_task_has_a_table_a_hand_and_goals_each_with_a_name_of_its_own() {
 }
 
 #[test]
-fn things_are_where_objects_are_and_have_their_colour() {
+fn things_are_where_objects_are_and_have_their_color() {
     let mut env = Simulation::<TPush, 3>::new();
     let mut observation = vec![0.0; env.spec().obs_dim];
     let start = env.reset(5, &mut observation).unwrap();
@@ -51,9 +51,9 @@ fn things_are_where_objects_are_and_have_their_colour() {
     for (index, place) in achieved.0.objects.iter().enumerate() {
         let block = named(&things, &format!("block_{}", index + 1));
         assert_eq!(block.pose.translation.vector, place.coords);
-        assert_eq!(block.shapes[0].colour.as_slice(), object_colour(index));
+        assert_eq!(block.shapes[0].color.as_slice(), object_color(index));
         assert_eq!(goals[index].pose.translation.vector, start.desired.objects()[index].coords);
-        assert_eq!(goals[index].shapes[0].colour[..3], object_colour(index)[..3]);
+        assert_eq!(goals[index].shapes[0].color[..3], object_color(index)[..3]);
     }
     let hand = named(&things, "hand").pose.translation.vector;
     assert_eq!(hand, achieved.0.gripper.coords);

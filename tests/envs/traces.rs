@@ -123,9 +123,9 @@ fn read(csv: &str) -> Vec<Vec<Row>> {
 struct Replay(Vec<Vec<Row>>);
 
 struct Replayed {
-    /// How far each displacement of the hand is off, in metres.
+    /// How far each displacement of the hand is off, in meters.
     hand_errors: Vec<Vector3<f32>>,
-    /// How far the block is from where it ended, in metres.
+    /// How far the block is from where it ended, in meters.
     block_error: f32,
     /// How far each recorded number is off, by index, at each step.
     observation_errors: Vec<BTreeMap<usize, f32>>,

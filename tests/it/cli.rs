@@ -241,9 +241,9 @@ fn wrong_settings_in_a_file_are_shown_with_their_place() {
 
     hint: did you mean `relay.method`? `rher config <TASK>` prints every setting with its value
     ");
-    assert_snapshot!(config("colour = \"red\"\n"), @"
+    assert_snapshot!(config("color = \"red\"\n"), @"
     exit 3
-    error: run.toml:1:1: there is no setting `colour`
+    error: run.toml:1:1: there is no setting `color`
 
     hint: `rher config <TASK>` prints every setting with its value
     ");

@@ -14,14 +14,14 @@ fn read(rher: &Rher, name: &str) -> String {
     std::fs::read_to_string(rher.path(name)).unwrap()
 }
 
-/// Width, height and colours.
+/// Width, height and colors.
 fn pixels(file: &[u8]) -> (u32, u32, Vec<[u8; 3]>) {
     let mut reader = png::Decoder::new(Cursor::new(file)).read_info().unwrap();
     let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
     let info = reader.next_frame(&mut bytes).unwrap();
     let samples = info.color_type.samples();
-    let colours = bytes.chunks_exact(samples).map(|pixel| [pixel[0], pixel[1], pixel[2]]);
-    (info.width, info.height, colours.collect())
+    let colors = bytes.chunks_exact(samples).map(|pixel| [pixel[0], pixel[1], pixel[2]]);
+    (info.width, info.height, colors.collect())
 }
 
 fn count(pixels: &[[u8; 3]], fits: impl Fn(&[u8; 3]) -> bool) -> usize {
@@ -120,10 +120,10 @@ fn play_draws_every_step_and_a_moving_picture() {
     assert!(gif.len() < 400_000, "{} bytes", gif.len());
     let files = std::fs::read_dir(rher.path("steps")).unwrap().count();
     assert_eq!(files, 2 * (20 + 1));
-    let (width, height, colours) =
+    let (width, height, colors) =
         pixels(&std::fs::read(rher.path("steps/episode-001-step-020.png")).unwrap());
     assert_eq!((width, height), (400, 300));
-    assert!(count(&colours, |[r, g, b]| *r > 120 && *g < 90 && *b < 90) > 50, "a red cylinder");
+    assert!(count(&colors, |[r, g, b]| *r > 120 && *g < 90 && *b < 90) > 50, "a red cylinder");
     let ran = rher.run("play run --gif nowhere/x.gif");
     assert_eq!(ran.status, Some(6), "{ran}");
 }

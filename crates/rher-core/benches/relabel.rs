@@ -1,4 +1,4 @@
-//! Time of drawing, relabelling and normalizing a batch: `relabel/256` draws 256 rows.
+//! Time of drawing, relabeling and normalizing a batch: `relabel/256` draws 256 rows.
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use rand::{RngExt as _, SeedableRng as _};
@@ -30,7 +30,7 @@ fn spec() -> EnvSpec<1> {
         tolerances: Tolerances::uniform(0.05),
         mirrors: vec![Mirror {
             axis: 1,
-            centre: 0.0,
+            center: 0.0,
             observation: (0..OBSERVATION).map(same).collect(),
             action: (0..ACTION).map(same).collect(),
         }],

@@ -9,18 +9,18 @@
 /// All are row-major. There is no end flag: a time-out is not an end, so every next state counts.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Batch {
-    /// Normalised observation and goal before the step.
+    /// Normalized observation and goal before the step.
     pub inputs: Vec<f32>,
     /// The action taken, in [−1, 1].
     pub actions: Vec<f32>,
     /// The sparse reward, 0 or −1.
     pub rewards: Vec<f32>,
-    /// Normalised observation after the step, with the same goal.
+    /// Normalized observation after the step, with the same goal.
     pub next_inputs: Vec<f32>,
     /// Whether there is a simpler sub-task whose turn it is: placing the first of the earlier
     /// objects that is not in its place.
     pub imitates: Vec<bool>,
-    /// Normalised observation before the step, with the goal of that sub-task.
+    /// Normalized observation before the step, with the goal of that sub-task.
     pub simpler_inputs: Vec<f32>,
     /// Numbers in one row of `inputs`.
     pub input_dim: usize,

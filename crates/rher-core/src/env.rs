@@ -98,7 +98,7 @@ impl<const N: usize> EnvSpec<N> {
                 return wrong(
                     field,
                     tolerance.to_string(),
-                    "a number of metres, at least 0".into(),
+                    "a number of meters, at least 0".into(),
                 );
             }
         }

@@ -32,7 +32,7 @@ pub struct Evaluation {
     /// Success rate of the last sub-task.
     pub success_final: f32,
     /// Mean distance of the objects to their targets at the end of the last sub-task's episodes,
-    /// in metres; of the gripper to the object where the last sub-task is to reach it.
+    /// in meters; of the gripper to the object where the last sub-task is to reach it.
     pub final_distance: f32,
     /// The same for where everything really was, if sensors told otherwise.
     pub true_final_distance: Option<f32>,
@@ -216,7 +216,7 @@ fn was_touched<const N: usize>(
     stage.leg() == Leg::Reach && end.has_moved(object, start) && (0..object).all(is_placed)
 }
 
-/// How far a scene is from what the sub-task that ends with `stage` is for, in metres: the mean
+/// How far a scene is from what the sub-task that ends with `stage` is for, in meters: the mean
 /// over objects to their targets, or the gripper to the object it should reach.
 pub fn final_distance<const N: usize>(
     stage: Stage<N>,

@@ -49,13 +49,13 @@ pub struct Metrics {
     pub success_final: f32,
     /// The paper's g, counted from 1: the sub-task that guides exploration.
     pub guide: usize,
-    /// Mean distance of the objects to their targets at the end of the final evaluation, metres.
+    /// Mean distance of the objects to their targets at the end of the final evaluation, meters.
     pub final_distance: f32,
     /// Share of training episodes that ended with the task solved.
     pub train_success: f32,
     /// Share of training steps in which the guide, the learner or chance acted.
     pub acted: SourceShares,
-    /// For each object, share of training episodes that moved it by more than a centimetre.
+    /// For each object, share of training episodes that moved it by more than a centimeter.
     pub moved: Vec<f32>,
     /// Share of update batches in which every reward was the same, by sub-task (the paper's NNSR).
     pub single_reward: Vec<Option<f32>>,
@@ -95,7 +95,7 @@ pub struct Seconds {
     pub environment: f64,
     /// Choosing actions in training.
     pub inference: f64,
-    /// Storing episodes, and drawing and relabelling batches of them.
+    /// Storing episodes, and drawing and relabeling batches of them.
     pub relabel: f64,
     /// Updating the networks.
     pub update: f64,

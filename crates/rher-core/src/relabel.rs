@@ -55,7 +55,7 @@ struct Draw {
 }
 
 impl<const N: usize> Relabeler<N> {
-    /// A relabeller with the shares of `config`, for environments like `spec`.
+    /// A relabeler with the shares of `config`, for environments like `spec`.
     pub fn new(config: &RelayConfig, spec: &EnvSpec<N>) -> Self {
         let of_object = |object| {
             let earlier = |permutation: &&Permutation<N>| permutation.order[object] < object;
@@ -92,7 +92,7 @@ impl<const N: usize> Relabeler<N> {
         self.relabel(stage, &achieved[step], later, || *desired).1
     }
 
-    /// The relabelling rule: what is asked of a step at which the scene is `now`, and how the
+    /// The relabeling rule: what is asked of a step at which the scene is `now`, and how the
     /// sub-task of `stage` sees it. It is what was reached `later`, or what the task `asked` for.
     fn relabel(
         &self,

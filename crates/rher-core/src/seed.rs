@@ -22,7 +22,7 @@ pub enum Purpose {
     Environment = 2,
     /// Actions of training, counted by episode.
     Exploration = 3,
-    /// Samples for the normaliser, counted by episode.
+    /// Samples for the normalizer, counted by episode.
     Statistics = 4,
     /// Batches and the noise on target actions, counted by update.
     Batch = 5,

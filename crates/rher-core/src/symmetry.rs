@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 /// // A scene that is symmetric about y = 0.75 m, of which x and y are observed.
 /// let mirror = Mirror {
 ///     axis: 1,
-///     centre: 0.75,
+///     center: 0.75,
 ///     observation: vec![
 ///         SignedIndex { from: 0, sign: 1.0, offset: 0.0 },
 ///         SignedIndex { from: 1, sign: -1.0, offset: 1.5 },
@@ -28,8 +28,8 @@ use serde::{Deserialize, Serialize};
 pub struct Mirror {
     /// The world axis that is flipped: 0, 1 or 2.
     pub axis: usize,
-    /// Where the plane crosses that axis, in metres.
-    pub centre: f32,
+    /// Where the plane crosses that axis, in meters.
+    pub center: f32,
     /// One entry for each number of an observation.
     pub observation: Vec<SignedIndex>,
     /// One entry for each number of an action.
@@ -79,8 +79,8 @@ pub struct SignedIndex {
 impl Mirror {
     /// Checks its dimensions and ranges, and that it is its own inverse.
     pub(crate) fn check(&self, obs_dim: usize, action_dim: usize) -> Result<(), Problem> {
-        if self.axis > 2 || !self.centre.is_finite() {
-            let found = format!("axis {} at {} m", self.axis, self.centre);
+        if self.axis > 2 || !self.center.is_finite() {
+            let found = format!("axis {} at {} m", self.axis, self.center);
             return Err(Problem::new(found, "axis 0, 1 or 2 at a finite place"));
         }
         for (vector, entries, length) in
@@ -107,7 +107,7 @@ impl Mirror {
     #[inline]
     pub fn position(&self, position: Position) -> Position {
         let mut mirrored = position;
-        mirrored[self.axis] = 2.0 * self.centre - position[self.axis];
+        mirrored[self.axis] = 2.0 * self.center - position[self.axis];
         mirrored
     }
 }

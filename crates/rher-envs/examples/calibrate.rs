@@ -126,7 +126,7 @@ impl EnvVisitor for Compare {
     }
 }
 
-/// What a replayed episode comes to, in millimetres.
+/// What a replayed episode comes to, in millimeters.
 struct Replay {
     /// How far each displacement of the hand is off.
     hand: Squares,

@@ -1,4 +1,4 @@
-//! Shoves a block off its centre and prints how it turns and how far it coasts.
+//! Shoves a block off its center and prints how it turns and how far it coasts.
 //!
 //! ```console
 //! $ cargo run --release -p rher-envs --example shove
@@ -16,7 +16,7 @@ const YAW: usize = 13;
 fn main() -> Result<(), EnvError> {
     let mut env = Simulation::<Push, 1>::new();
     let mut observation = vec![0.0; env.spec().obs_dim];
-    println!("off centre (mm)  shoved by (mm)  coasts (mm)  turns (degrees)");
+    println!("off center (mm)  shoved by (mm)  coasts (mm)  turns (degrees)");
     for aside in [-0.03, -0.02, -0.01, 0.0, 0.01, 0.02, 0.03] {
         let home = env.reset(0, &mut observation)?.achieved.0.gripper;
         let block = Position::new(home.x - 0.11, home.y + aside, 0.42489);

@@ -32,10 +32,10 @@ pub trait Scenario<const N: usize>: Sized + Send + 'static {
     /// How many sub-tasks there are to learn.
     const SUBTASKS: usize = 2 * N;
 
-    /// How near an object counts as at its target, in metres.
+    /// How near an object counts as at its target, in meters.
     const TOLERANCE: f32 = 0.05;
 
-    /// How near the gripper counts as at an object, in metres.
+    /// How near the gripper counts as at an object, in meters.
     const REACH_TOLERANCE: f32 = Self::TOLERANCE;
 
     /// Whether nothing but their order tells the objects apart, so that a replay may exchange them
@@ -78,7 +78,7 @@ pub trait Scenario<const N: usize>: Sized + Send + 'static {
     fn observe(&self, layout: &Layout<N>, world: &World, out: &mut impl Sink);
 }
 
-/// Where an episode begins and what it asks for; positions are centres.
+/// Where an episode begins and what it asks for; positions are centers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Layout<const N: usize> {
     /// Where each object starts.
@@ -104,7 +104,7 @@ pub trait Simulated<const N: usize>: Env<N> + 'static {
 
     /// Starts an episode from a chosen layout and writes its first observation.
     ///
-    /// What is randomised is that of seed 0.
+    /// What is randomized is that of seed 0.
     fn arrange(&mut self, layout: Layout<N>, observation: &mut [f32])
     -> Result<Start<N>, EnvError>;
 
@@ -188,12 +188,12 @@ impl<S: Scenario<N>, const N: usize> Simulation<S, N> {
         let layout = S::draw(&mut rng);
         begin(&scenario, &layout, &options.randomize, rng, &mut world);
 
-        let mirror = |axis, centre| {
-            let mut reflections = Reflections::new(axis, centre);
+        let mirror = |axis, center| {
+            let mut reflections = Reflections::new(axis, center);
             scenario.observe(&layout, &world, &mut reflections);
             let (observation, action) =
                 (reflections.into_vec(), mirrored_action(axis, S::ACTION_WIDTH));
-            Mirror { axis, centre, observation, action }
+            Mirror { axis, center, observation, action }
         };
         let behind = S::FRONT_LIKE_BACK.then(|| mirror(0, world.grip().position.x));
         let mirrors: Vec<_> = iter::once(mirror(1, MIDDLE)).chain(behind).collect();

@@ -34,12 +34,12 @@ def test_the_tool_is_not_part_of_the_package():
 
 
 @pytest.mark.skipif(not hasattr(_rher, "Hindsight"), reason="built without the feature `measure`")
-def test_environments_and_relabelling_are_faster_than_their_neighbours(out):
-    results, table = measured(out, "--parts", "single", "vector", "relabelling")
+def test_environments_and_relabeling_are_faster_than_their_neighbors(out):
+    results, table = measured(out, "--parts", "single", "vector", "relabeling")
     # A busy machine must not fail this: half of what is published.
     assert results["single"]["ratio"] > 12
     assert results["vector"]["ratio"] > 17
-    assert results["relabelling"]["ratio"] > 10
+    assert results["relabeling"]["ratio"] > 10
     assert table.count(" × |") == 4 and "of two processes" in table
 
 

@@ -218,8 +218,8 @@ def vector(args: argparse.Namespace) -> Measured:
     }
 
 
-def relabelling(args: argparse.Namespace) -> Measured:
-    """Relabelled samples per CPU-second, from equally many random episodes of push.
+def relabeling(args: argparse.Namespace) -> Measured:
+    """Relabeled samples per CPU-second, from equally many random episodes of push.
 
     Both replays have room for a million steps, which is the default of both.
     """
@@ -411,7 +411,7 @@ LEARNERS: dict[str, Callable[[Path, float], Measured]] = {
 PARTS: dict[str, Callable[[argparse.Namespace], Measured]] = {
     "single": single,
     "vector": vector,
-    "relabelling": relabelling,
+    "relabeling": relabeling,
     "transfer": transfer,
     "learning": learning,
 }
@@ -422,7 +422,7 @@ def report(results: Measured) -> str:
     machine = results["machine"]
     packages = ", ".join(f"{name} {number}" for name, number in machine["packages"].items())
     lines = [
-        "# rher and its neighbours",
+        "# rher and its neighbors",
         "",
         f"{machine['cores']} cores of {machine['cpu']}, load {machine['load']:.1f} at the start; "
         f"Python {machine['python']}, {packages}.",
@@ -440,8 +440,8 @@ def report(results: Measured) -> str:
             f"| {COPIES} copies, two threads to one | {part['two_threads']:.2f} × | | "
             f"{part['of_two_processes']:.0%} of two processes |"
         )
-    if (part := results.get("relabelling")) is not None:
-        lines.append(_row("relabelled samples per CPU-second, SB3's `HerReplayBuffer`", part))
+    if (part := results.get("relabeling")) is not None:
+        lines.append(_row("relabeled samples per CPU-second, SB3's `HerReplayBuffer`", part))
     if (part := results.get("transfer")) is not None:
         lines += ["", f"| policy | trained in | solved of {part['episodes']} episodes |"]
         lines += ["|---|---|---|"]

@@ -35,7 +35,7 @@ pub struct RecordingInfo {
     #[serde(with = "as_text")]
     pub seed: u64,
     /// The paper's d: how near the gripper counts as at an object when stages are recorded, in
-    /// metres.
+    /// meters.
     #[serde(with = "as_text")]
     pub reach_distance: f32,
     /// Sub-tasks of the task.

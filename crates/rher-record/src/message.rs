@@ -119,7 +119,7 @@ impl Message {
     }
 }
 
-/// A point in the world frame, in metres; fields, since Foxglove plots no arrays of arrays.
+/// A point in the world frame, in meters; fields, since Foxglove plots no arrays of arrays.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Place {
     /// Away from the robot.
@@ -148,9 +148,9 @@ pub struct Begin {
     pub steps: usize,
     /// Where each object should go, in relay order.
     pub targets: Vec<Place>,
-    /// How near an object counts as at its target, in metres, in relay order.
+    /// How near an object counts as at its target, in meters, in relay order.
     pub tolerances: Vec<f32>,
-    /// How near the gripper counts as at an object, in metres.
+    /// How near the gripper counts as at an object, in meters.
     pub reach_tolerance: f32,
 }
 
@@ -166,9 +166,9 @@ pub struct Frame {
     /// Whether the task is solved.
     pub success: bool,
     /// How far the task is from being solved: mean distance of objects to their targets, or of the
-    /// gripper to the object it should reach, in metres.
+    /// gripper to the object it should reach, in meters.
     pub distance: f32,
-    /// How far each object is from its target, in metres.
+    /// How far each object is from its target, in meters.
     pub distances: Vec<f32>,
     /// Reward of the step that ended here; none where an episode begins.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -176,7 +176,7 @@ pub struct Frame {
     /// Rewards so far, added up.
     #[serde(rename = "return")]
     pub sum: f32,
-    /// Grip centre, as goals have it.
+    /// Grip center, as goals have it.
     pub gripper: Place,
     /// Where each object is, as goals have it, in relay order.
     pub objects: Vec<Place>,

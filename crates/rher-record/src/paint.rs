@@ -5,7 +5,7 @@ use foxglove::messages::{
     SceneEntity, SpherePrimitive, Timestamp, Vector3,
 };
 use nalgebra::Isometry3;
-use rher_envs::thing::{Colour, Form, Shape, Thing};
+use rher_envs::thing::{self, Form, Shape, Thing};
 
 /// The root of all frames.
 pub(crate) const ROOT: &str = "world";
@@ -34,10 +34,10 @@ pub(crate) fn entity(thing: &Thing, time: u64) -> SceneEntity {
         frame_locked: true,
         ..SceneEntity::default()
     };
-    for Shape { form, pose, colour } in &thing.shapes {
+    for Shape { form, pose, color } in &thing.shapes {
         let (position, orientation) = parts(pose);
         let pose = Some(Pose { position: Some(position), orientation: Some(orientation) });
-        let color = Some(self::color(*colour));
+        let color = Some(self::color(*color));
         match *form {
             Form::Box(half) => {
                 let size = Some(vector(2.0 * half.x, 2.0 * half.y, 2.0 * half.z));
@@ -72,6 +72,6 @@ fn vector(x: f32, y: f32, z: f32) -> Vector3 {
     Vector3 { x: x.into(), y: y.into(), z: z.into() }
 }
 
-fn color([r, g, b, a]: Colour) -> Color {
+fn color([r, g, b, a]: thing::Color) -> Color {
     Color { r: r.into(), g: g.into(), b: b.into(), a: a.into() }
 }

@@ -8,7 +8,7 @@ use rher_core::episode::{Episode, RolloutError, rollout};
 use rher_core::evaluate::final_distance;
 use rher_core::explore::ActionLog;
 use rher_core::goal::{Achieved, Desired, EncodedGoal, Leg, Position, Stage};
-use rher_envs::thing::{Colour, Thing};
+use rher_envs::thing::{Color, Thing};
 use rher_envs::{STEP_SECONDS, Simulated};
 
 /// Nanoseconds between two frames.
@@ -18,17 +18,17 @@ pub(crate) const STEP: u64 = (STEP_SECONDS * 1e3 + 0.5) as u64 * 1_000_000;
 pub(crate) const PAUSE: u64 = 1_000_000_000;
 
 /// Opaque enough to be seen, clear enough to see through.
-const STAGE_GOAL: Mark = Mark { radius: 0.03, colour: [1.0, 0.85, 0.1, 0.45] };
-const HINDSIGHT: Mark = Mark { radius: 0.015, colour: [0.75, 0.75, 0.8, 0.6] };
+const STAGE_GOAL: Mark = Mark { radius: 0.03, color: [1.0, 0.85, 0.1, 0.45] };
+const HINDSIGHT: Mark = Mark { radius: 0.015, color: [0.75, 0.75, 0.8, 0.6] };
 
 struct Mark {
     radius: f32,
-    colour: Colour,
+    color: Color,
 }
 
 impl Mark {
     fn at(&self, name: impl Into<String>, place: Position) -> Thing {
-        Thing::mark(name, place, self.radius, self.colour)
+        Thing::mark(name, place, self.radius, self.color)
     }
 }
 
@@ -83,7 +83,7 @@ pub enum PlayError {
 
 impl<const N: usize, E: Simulated<N>> Player<E, N> {
     /// Plays in `env`; `reach_distance` is the paper's d, which decides whether an object counts
-    /// as reached, in metres.
+    /// as reached, in meters.
     pub fn new(env: E, reach_distance: f32) -> Self {
         let spec = env.spec().clone();
         let last = spec.last_stage();

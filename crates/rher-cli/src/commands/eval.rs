@@ -21,7 +21,7 @@ struct EvalReport {
     ci95: [f64; 2],
     /// By sub-task; `null` where a sub-task was not trained.
     success: Vec<Option<f32>>,
-    /// Mean distance of the objects to their targets at the end, in metres.
+    /// Mean distance of the objects to their targets at the end, in meters.
     final_distance: f32,
     /// The same for where they really were; `null` where sensors tell nothing else.
     true_final_distance: Option<f32>,
@@ -87,9 +87,9 @@ fn wilson(rate: f32, episodes: usize) -> [f64; 2] {
     const Z: f64 = 1.959_963_984_540_054;
     let (rate, n) = (f64::from(rate), episodes as f64);
     let scale = 1.0 + Z * Z / n;
-    let centre = rate + Z * Z / (2.0 * n);
+    let center = rate + Z * Z / (2.0 * n);
     let margin = Z * (rate * (1.0 - rate) / n + Z * Z / (4.0 * n * n)).sqrt();
-    [(centre - margin) / scale, (centre + margin) / scale].map(|bound| bound.clamp(0.0, 1.0))
+    [(center - margin) / scale, (center + margin) / scale].map(|bound| bound.clamp(0.0, 1.0))
 }
 
 fn describe(report: &EvalReport) -> String {

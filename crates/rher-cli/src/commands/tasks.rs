@@ -20,7 +20,7 @@ struct TaskFacts {
     /// Numbers of a goal as networks see it: the gripper's slot and one for each object.
     encoded_goal: usize,
     episode_steps: usize,
-    /// By slot, in metres.
+    /// By slot, in meters.
     tolerance: Vec<f32>,
 }
 

@@ -9,11 +9,11 @@ const DELAY: u16 = 4;
 /// The same for the last frame of an episode.
 const LAST_DELAY: u16 = 100;
 
-/// Colours; one more says that a pixel is as it was.
-const COLOURS: usize = 255;
-const AS_IT_WAS: u8 = COLOURS as u8;
+/// Colors; one more says that a pixel is as it was.
+const COLORS: usize = 255;
+const AS_IT_WAS: u8 = COLORS as u8;
 
-/// Kinds of colours that are told apart.
+/// Kinds of colors that are told apart.
 const BINS: usize = 1 << 18;
 
 /// A GIF file that is being made, which repeats when it is shown.
@@ -22,12 +22,12 @@ pub(crate) struct Animation {
     palette: Palette,
     /// In pixels.
     width: usize,
-    /// What a viewer sees now, in colours of the palette.
+    /// What a viewer sees now, in colors of the palette.
     shown: Vec<u8>,
 }
 
 impl Animation {
-    /// A file that begins with the pictures of one episode, all of one size, and has its colours;
+    /// A file that begins with the pictures of one episode, all of one size, and has its colors;
     /// none if there are no pictures.
     pub(crate) fn of(episode: &[Image]) -> Result<Option<Self>, EncodingError> {
         let Some(Image { width, height, .. }) = episode.first() else { return Ok(None) };
@@ -55,14 +55,14 @@ impl Animation {
 
     /// Adds what changes with a picture.
     fn show(&mut self, image: &Image, delay: u16) -> Result<(), EncodingError> {
-        let colours = self.palette.indices(image);
-        let [left, top, right, bottom] = changed(&self.shown, &colours, self.width);
+        let colors = self.palette.indices(image);
+        let [left, top, right, bottom] = changed(&self.shown, &colors, self.width);
         let mut buffer = Vec::with_capacity((right - left) * (bottom - top));
         for row in top..bottom {
             let range = row * self.width + left..row * self.width + right;
             let old = self.shown.get(range.clone()).unwrap_or(&[]).iter().map(Some);
             let old = old.chain(std::iter::repeat(None));
-            let new = colours[range].iter();
+            let new = colors[range].iter();
             buffer.extend(new.zip(old).map(
                 |(new, old)| {
                     if Some(new) == old { AS_IT_WAS } else { *new }
@@ -80,7 +80,7 @@ impl Animation {
             buffer: buffer.into(),
             ..Frame::default()
         })?;
-        self.shown = colours;
+        self.shown = colors;
         Ok(())
     }
 }
@@ -100,15 +100,15 @@ fn changed(old: &[u8], new: &[u8], width: usize) -> [usize; 4] {
     if corners[2] == 0 { [0, 0, 1, 1] } else { corners }
 }
 
-/// The colours of a file.
+/// The colors of a file.
 struct Palette {
     rgb: Vec<u8>,
-    /// The nearest colour, by [`bin`].
+    /// The nearest color, by [`bin`].
     known: Vec<Option<u8>>,
 }
 
 impl Palette {
-    /// The most frequent colours of an episode.
+    /// The most frequent colors of an episode.
     fn of(episode: &[Image]) -> Self {
         // How many pixels, and the sums of their red, green and blue.
         let mut bins = vec![[0_u64; 4]; BINS];
@@ -119,10 +119,10 @@ impl Palette {
         }
         bins.retain(|[count, ..]| *count > 0);
         bins.sort_by_key(|[count, ..]| std::cmp::Reverse(*count));
-        bins.truncate(COLOURS);
+        bins.truncate(COLORS);
         let mean = |[count, sums @ ..]: [u64; 4]| sums.map(|sum| (sum / count) as u8);
         let mut rgb: Vec<u8> = bins.into_iter().flat_map(mean).collect();
-        rgb.resize(3 * (COLOURS + 1), 0);
+        rgb.resize(3 * (COLORS + 1), 0);
         Self { rgb, known: vec![None; BINS] }
     }
 
@@ -140,13 +140,13 @@ fn bin(pixel: [u8; 3]) -> usize {
     pixel.into_iter().fold(0, |bin, number| bin << 6 | usize::from(number >> 2))
 }
 
-/// Index of the colour that differs least.
+/// Index of the color that differs least.
 fn nearest(rgb: &[u8], pixel: [u8; 3]) -> u8 {
-    let distance = |colour: &[u8; 3]| -> u32 {
-        colour.iter().zip(pixel).map(|(a, b)| u32::from(a.abs_diff(b)).pow(2)).sum()
+    let distance = |color: &[u8; 3]| -> u32 {
+        color.iter().zip(pixel).map(|(a, b)| u32::from(a.abs_diff(b)).pow(2)).sum()
     };
-    let colours = rgb.as_chunks::<3>().0.iter().take(COLOURS).enumerate();
-    colours.min_by_key(|(_, colour)| distance(colour)).map_or(0, |(index, _)| index as u8)
+    let colors = rgb.as_chunks::<3>().0.iter().take(COLORS).enumerate();
+    colors.min_by_key(|(_, color)| distance(color)).map_or(0, |(index, _)| index as u8)
 }
 
 #[cfg(test)]

@@ -15,7 +15,7 @@ pub(crate) struct Band {
 /// The statistic of `curves` at every time that one of them has, from when all have begun.
 ///
 /// A run that has ended keeps its last value: it ended because it was solved or told to.
-pub(crate) fn summarise(curves: &[Curve], statistic: impl Fn(&[f64]) -> f64) -> Band {
+pub(crate) fn summarize(curves: &[Curve], statistic: impl Fn(&[f64]) -> f64) -> Band {
     let begin = curves.iter().map(|curve| curve[0].0).fold(0.0, f64::max);
     let mut times: Vec<f64> =
         curves.iter().flatten().map(|point| point.0).filter(|time| *time >= begin).collect();
@@ -48,7 +48,7 @@ mod tests {
     #[test]
     fn a_run_that_ended_keeps_its_last_value() {
         let curves = [vec![(1.0, 0.0), (2.0, 1.0)], vec![(1.0, 0.0), (4.0, 0.6)]];
-        let Band { points, interval } = summarise(&curves, mean);
+        let Band { points, interval } = summarize(&curves, mean);
         let rounded = points.iter().map(|(time, value)| (*time, (value * 1e6).round() / 1e6));
         assert_eq!(rounded.collect::<Vec<_>>(), [(1.0, 0.0), (2.0, 0.6), (4.0, 0.8)]);
         assert_eq!(interval.unwrap().len(), 3);
@@ -56,6 +56,6 @@ mod tests {
 
     #[test]
     fn a_single_run_has_no_band() {
-        assert_eq!(summarise(&[vec![(1.0, 0.5)]], mean).interval, None);
+        assert_eq!(summarize(&[vec![(1.0, 0.5)]], mean).interval, None);
     }
 }

@@ -1,13 +1,13 @@
 //! Learning curves: a row of panels for each task.
 
 use super::chart::{Axis, Drawing, Ink, Line, Panel};
-use super::curves::{Band, Curve, summarise};
+use super::curves::{Band, Curve, summarize};
 use super::published;
 use super::statistics::{interquartile_mean, mean};
 use clap::ValueEnum;
 use rher_runs::{Evaluation, Group, Run};
 
-/// Colours that differ for every kind of colour vision, after Okabe and Ito.
+/// Colors that differ for every kind of color vision, after Okabe and Ito.
 const INKS: [Ink; 6] = [
     [0x00, 0x72, 0xb2],
     [0xd5, 0x5e, 0x00],
@@ -116,7 +116,7 @@ impl Figure {
         if self.clock == Clock::Time || published.is_empty() {
             return end;
         }
-        let points = summarise(&published, mean).points;
+        let points = summarize(&published, mean).points;
         let solved = points.into_iter().find(|point| point.1 >= SOLVED);
         solved.map_or(end, |(steps, _)| end.max(steps))
     }
@@ -142,7 +142,7 @@ impl Figure {
         if curves.is_empty() {
             return None;
         }
-        let Band { points, interval } = summarise(&curves, statistic);
+        let Band { points, interval } = summarize(&curves, statistic);
         Some(Line { name, ink, dashed, points, band: interval })
     }
 

@@ -4,7 +4,7 @@ use crate::choice::choices;
 use nalgebra::Point3;
 use std::iter;
 
-/// A point in the world frame, in metres.
+/// A point in the world frame, in meters.
 ///
 /// ```
 /// use rher_core::Position;
@@ -25,9 +25,9 @@ pub type Position = Point3<f32>;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scene<const N: usize> {
-    /// Grip centre.
+    /// Grip center.
     pub gripper: Position,
-    /// One centre for each object.
+    /// One center for each object.
     pub objects: [Position; N],
 }
 
@@ -43,7 +43,7 @@ impl<const N: usize> Scene<N> {
         iter::once(self.gripper).chain(self.objects)
     }
 
-    /// Whether an object is more than a centimetre from where it was at `start`: the authors' test of
+    /// Whether an object is more than a centimeter from where it was at `start`: the authors' test of
     /// whether it was touched.
     pub fn has_moved(&self, object: usize, start: &Self) -> bool {
         const MOVED: f32 = 0.01;

@@ -102,7 +102,7 @@ impl<const N: usize> Stage<N> {
     /// The stage a scene is in (eq. 6).
     ///
     /// It is about the first object that is not at its target, or the last one when all are; that
-    /// object is reached once the gripper is within `reach_distance` (metres, the paper's d).
+    /// object is reached once the gripper is within `reach_distance` (meters, the paper's d).
     /// An object that is disturbed after it was placed throws the relay back to it.
     pub fn of(
         achieved: &Achieved<N>,

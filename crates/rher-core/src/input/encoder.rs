@@ -1,4 +1,4 @@
-//! What the networks see: the normalised observation and the normalised goal, side by side.
+//! What the networks see: the normalized observation and the normalized goal, side by side.
 
 use super::normalize::{CLIP, Normalizer};
 use super::turns::{self, Turns};
@@ -10,7 +10,7 @@ use std::iter;
 
 /// Turns an observation and an encoded goal into one row of network input.
 ///
-/// The statistics of a slot only ever see real positions; a blank is filled in after normalising,
+/// The statistics of a slot only ever see real positions; a blank is filled in after normalizing,
 /// so that it stays an unmistakable flag.
 ///
 /// # Shapes

@@ -1,4 +1,4 @@
-//! What the networks see: normalised observations and goals, alike objects in order of turn.
+//! What the networks see: normalized observations and goals, alike objects in order of turn.
 
 mod encoder;
 mod normalize;

@@ -1,8 +1,8 @@
-//! Running mean and standard deviation, and the clipped normalisation they give.
+//! Running mean and standard deviation, and the clipped normalization they give.
 
 use serde::{Deserialize, Serialize};
 
-/// Normalised values are clipped to ± this.
+/// Normalized values are clipped to ± this.
 pub const CLIP: f32 = 5.0;
 
 /// Smallest standard deviation that is divided by.
@@ -10,7 +10,7 @@ pub const SMALLEST_DEVIATION: f32 = 0.01;
 
 /// Running statistics of a vector, one mean and deviation for each of its numbers.
 ///
-/// Positions around 1.3 m vary by centimetres, so the sums are kept in `f64`.
+/// Positions around 1.3 m vary by centimeters, so the sums are kept in `f64`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Normalizer {
     count: f64,
@@ -75,12 +75,12 @@ impl Normalizer {
         }
     }
 
-    /// Writes the normalised values.
+    /// Writes the normalized values.
     #[inline]
-    pub fn apply(&self, values: impl IntoIterator<Item = f32>, normalised: &mut [f32]) {
-        debug_assert_eq!(normalised.len(), self.width());
+    pub fn apply(&self, values: impl IntoIterator<Item = f32>, normalized: &mut [f32]) {
+        debug_assert_eq!(normalized.len(), self.width());
         let scales = self.mean.iter().zip(&self.inverse_deviation);
-        for ((out, value), (mean, inverse)) in normalised.iter_mut().zip(values).zip(scales) {
+        for ((out, value), (mean, inverse)) in normalized.iter_mut().zip(values).zip(scales) {
             *out = ((value - mean) * inverse).clamp(-CLIP, CLIP);
         }
     }

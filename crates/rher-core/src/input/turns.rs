@@ -12,7 +12,7 @@ use std::{array, iter};
 /// sub-task wants it done.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Turns {
-    /// How near counts as placed, in metres.
+    /// How near counts as placed, in meters.
     tolerances: Vec<f32>,
     /// For each object, what an observation is when that object comes first.
     observations: Vec<Vec<SignedIndex>>,

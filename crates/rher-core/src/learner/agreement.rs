@@ -18,7 +18,7 @@ const TOLERANCE: f64 = 1e-4;
 /// Of two updates in a hundred: a unit within rounding of 0 may be on for one engine alone.
 const AT_A_KINK: f64 = 1e-2;
 /// Share of a network's norm below which a tensor is what is left of larger terms.
-const CANCELLED: f64 = 0.02;
+const CANCELED: f64 = 0.02;
 
 /// TD3 and DDPG, then each switch of TD3 on its other side, and other depths.
 fn configs() -> Vec<AgentConfig> {
@@ -74,11 +74,11 @@ fn difference(autodiff: &Trained, fused: &Trained) -> f64 {
         (&autodiff.second_moment, &fused.second_moment),
     ];
     let of_pair = |(expected, found): (&Vec<f32>, &Vec<f32>)| {
-        let cancelled = CANCELLED * norm(expected.iter().copied());
+        let canceled = CANCELED * norm(expected.iter().copied());
         let tensors = autodiff.shape.tensors().into_iter().map(move |tensor| {
             let (expected, found) = (&expected[tensor.range.clone()], &found[tensor.range]);
             let error = norm(expected.iter().zip(found).map(|(expected, found)| expected - found));
-            error / norm(expected.iter().copied()).max(cancelled).max(1e-6)
+            error / norm(expected.iter().copied()).max(canceled).max(1e-6)
         });
         tensors.fold(0.0, f64::max)
     };

@@ -32,7 +32,7 @@ pub struct PolicyInfo {
     /// Length of an action.
     #[serde(rename = "action")]
     pub action_dim: usize,
-    /// The paper's d, which separates reaching an object from moving it (eq. 6), in metres.
+    /// The paper's d, which separates reaching an object from moving it (eq. 6), in meters.
     pub reach_distance: f32,
 }
 

@@ -9,7 +9,7 @@ use std::array;
 
 /// A ring of whole episodes, frame by frame; the oldest episode makes room for the newest.
 ///
-/// Observations are raw, goals are what the task asked for: both are normalised and relabelled
+/// Observations are raw, goals are what the task asked for: both are normalized and relabeled
 /// when they are drawn.
 #[derive(Clone, Debug)]
 pub struct Replay<const N: usize> {

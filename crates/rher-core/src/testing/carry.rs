@@ -8,7 +8,7 @@ use rand::RngExt as _;
 /// A hand on a line, 1 m long, that carries a block while it is at the block and grips: the smallest
 /// environment in which there is something to learn.
 ///
-/// An observation is the hand's place and the block's, in metres; an action is the hand's motion, by
+/// An observation is the hand's place and the block's, in meters; an action is the hand's motion, by
 /// at most 10 cm, and whether it grips (above 0).
 ///
 /// ```

@@ -10,7 +10,7 @@ use rher_core::goal::Position;
 ///
 /// Gripper (3), object (3), object − gripper (3), finger openings (2), Euler angles of the object
 /// (3), its velocity relative to the gripper's (3), its angular velocity (3), the gripper's
-/// velocity (3), the fingers' (2). Metres and radians; velocities are per environment step.
+/// velocity (3), the fingers' (2). Meters and radians; velocities are per environment step.
 pub fn gripper_and_object(grip: &Grip, object: &Motion, out: &mut impl Sink) {
     out.gripper(grip.position);
     out.object(0, object.position);
@@ -213,7 +213,7 @@ pub(crate) struct Reflections {
 }
 
 impl Reflections {
-    /// For the plane where x (axis 0) or y (axis 1) is `plane`, in metres.
+    /// For the plane where x (axis 0) or y (axis 1) is `plane`, in meters.
     pub(crate) fn new(axis: usize, plane: f32) -> Self {
         Self { images: Vec::new(), axis, plane }
     }

@@ -21,17 +21,17 @@ pub trait Sink {
     /// Only tasks with objects that are alike need say it.
     fn about(&mut self, _: Subject) {}
 
-    /// The position of the gripper, in the world frame, in metres.
+    /// The position of the gripper, in the world frame, in meters.
     fn gripper(&mut self, position: Position) {
         self.position(position);
     }
 
-    /// The position of an object, by its place in relay order, in the world frame, in metres.
+    /// The position of an object, by its place in relay order, in the world frame, in meters.
     fn object(&mut self, _index: usize, position: Position) {
         self.position(position);
     }
 
-    /// Any other point in the world frame, in metres.
+    /// Any other point in the world frame, in meters.
     fn position(&mut self, position: Position);
 
     /// A difference of points, or a velocity.

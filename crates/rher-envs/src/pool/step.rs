@@ -53,7 +53,7 @@ pub struct Pool<E, const N: usize> {
     pub(super) clipped: Vec<u32>,
 }
 
-/// What the environments see, row by row; positions in metres.
+/// What the environments see, row by row; positions in meters.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Frames {
     /// `[envs, observation]`.

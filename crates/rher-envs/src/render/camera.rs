@@ -6,13 +6,13 @@ use crate::thing::{Form, Role, Thing};
 use nalgebra::{Matrix3, Point3, Vector3};
 use rher_core::goal::Position;
 
-/// What is nearer to the eye than this is not seen, in metres.
+/// What is nearer to the eye than this is not seen, in meters.
 const NEAREST: f32 = 0.02;
 
 /// From where, towards what, and how wide.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
-    /// Where it is, in metres.
+    /// Where it is, in meters.
     pub eye: Position,
     /// What is in the middle of the picture; not right above or below the eye.
     pub focus: Position,
@@ -24,9 +24,9 @@ impl Camera {
     /// Over the robot's right shoulder: x goes to the right, y to the left, both away; the table
     /// fills the picture, with room for a hand above what stands on it.
     pub fn above_table(things: &[Thing]) -> Self {
-        /// From the focus to the eye, if the table were as wide as its diagonal is one metre.
+        /// From the focus to the eye, if the table were as wide as its diagonal is one meter.
         const BACK: Vector3<f32> = Vector3::new(-0.80, -0.98, 0.95);
-        /// How much higher than the table the middle of the picture is, in metres.
+        /// How much higher than the table the middle of the picture is, in meters.
         const HIGHER: f32 = 0.09;
         let (top, diagonal) = table(things).unwrap_or((Position::new(1.3, 0.75, 0.4), 0.86));
         let tallest = tallest(things, top.z);
@@ -57,7 +57,7 @@ fn table(things: &[Thing]) -> Option<(Position, f32)> {
     Some((top, 2.0 * half.xy().norm()))
 }
 
-/// How far the boxes that nothing moves rise above the height of the table's top, in metres.
+/// How far the boxes that nothing moves rise above the height of the table's top, in meters.
 fn tallest(things: &[Thing], top: f32) -> f32 {
     let fixed = things.iter().filter(|thing| thing.role == Role::Fixed);
     let shapes = fixed.flat_map(|thing| thing.shapes.iter().map(move |shape| (thing, shape)));
@@ -77,7 +77,7 @@ pub(super) struct View {
     to_camera: Matrix3<f32>,
     /// Of the picture, in samples.
     middle: [f32; 2],
-    /// Samples in a metre that is one metre away.
+    /// Samples in a meter that is one meter away.
     scale: f32,
 }
 

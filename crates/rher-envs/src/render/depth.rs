@@ -56,10 +56,10 @@ impl DepthBuffer {
         let rows = polygon.iter().map(|corner| corner.y);
         let top = rows.clone().fold(f32::INFINITY, f32::min);
         let bottom = rows.fold(f32::NEG_INFINITY, f32::max);
-        for y in first_centre(top, self.height)..first_centre(bottom, self.height) {
+        for y in first_center(top, self.height)..first_center(bottom, self.height) {
             let middle = y as f32 + 0.5;
             let (left, right) = span(polygon, middle);
-            let columns = first_centre(left, self.width)..first_centre(right, self.width);
+            let columns = first_center(left, self.width)..first_center(right, self.width);
             let start = y * self.width;
             let row = start + columns.start..start + columns.end;
             let mut nearness = plane.at(columns.start as f32 + 0.5, middle);
@@ -75,7 +75,7 @@ impl DepthBuffer {
 }
 
 /// Index of the first sample whose middle is not before `edge`, of `count`.
-fn first_centre(edge: f32, count: usize) -> usize {
+fn first_center(edge: f32, count: usize) -> usize {
     (edge - 0.5).ceil().clamp(0.0, count as f32) as usize
 }
 

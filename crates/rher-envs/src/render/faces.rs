@@ -15,7 +15,7 @@ const SIDES: usize = 24;
 pub(super) struct Surface {
     curve: Curve,
     /// Linear red, green and blue.
-    pub(super) colour: Vector3<f32>,
+    pub(super) color: Vector3<f32>,
     /// 1 hides all behind it.
     pub(super) opacity: f32,
 }
@@ -26,7 +26,7 @@ enum Curve {
     Flat(Vector3<f32>),
     /// A point of the axis, and its direction.
     Cylinder(Position, Vector3<f32>),
-    /// The centre.
+    /// The center.
     Sphere(Position),
 }
 
@@ -51,9 +51,9 @@ pub(super) fn of(
     mut draw: impl FnMut(Surface, &[Position]),
 ) {
     let pose = thing * shape.pose;
-    let [r, g, b, opacity] = shape.colour;
-    let colour = Vector3::new(linear(r), linear(g), linear(b));
-    let surface = |curve| Surface { curve, colour, opacity };
+    let [r, g, b, opacity] = shape.color;
+    let color = Vector3::new(linear(r), linear(g), linear(b));
+    let surface = |curve| Surface { curve, color, opacity };
     match shape.form {
         Form::Box(half) => {
             for axis in 0..3 {

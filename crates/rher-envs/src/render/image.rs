@@ -1,9 +1,9 @@
-//! A picture, and the colours of screens.
+//! A picture, and the colors of screens.
 
 use nalgebra::Vector3;
 use std::sync::LazyLock;
 
-/// A picture of 8-bit colours, as screens have them (sRGB).
+/// A picture of 8-bit colors, as screens have them (sRGB).
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Image {
     /// In pixels.

@@ -18,15 +18,15 @@ const DIRECT: f32 = 0.62;
 /// Brightness of what comes from below, and from above.
 const AROUND: [f32; 2] = [0.22, 0.45];
 
-/// How much nearer to the light something has to be to throw a shadow, in metres.
+/// How much nearer to the light something has to be to throw a shadow, in meters.
 const BIAS: f32 = 0.003;
 
 pub(super) struct Light {
     /// Rows: across the map, down the map, towards the light.
     axes: Matrix3<f32>,
-    /// In metres.
+    /// In meters.
     middle: Vector3<f32>,
-    /// Samples in a metre.
+    /// Samples in a meter.
     scale: f32,
     map: DepthBuffer,
 }
@@ -71,8 +71,8 @@ impl Light {
         let towards = axes.row(2).transpose();
         for thing in casters() {
             each_face(thing, |surface, corners| {
-                let centre = nalgebra::center(&corners[0], &corners[corners.len() / 2]);
-                if surface.normal(&centre).dot(&towards) <= 0.0 {
+                let center = nalgebra::center(&corners[0], &corners[corners.len() / 2]);
+                if surface.normal(&center).dot(&towards) <= 0.0 {
                     return;
                 }
                 let mut polygon = [Corner::default(); 32];
@@ -84,7 +84,7 @@ impl Light {
         }
     }
 
-    /// The linear colour of a surface at a place on it.
+    /// The linear color of a surface at a place on it.
     pub(super) fn shade(&self, surface: &Surface, place: &Position) -> Vector3<f32> {
         let normal = surface.normal(place);
         let [below, above] = AROUND;
@@ -92,7 +92,7 @@ impl Light {
         let towards = self.axes.row(2).transpose();
         let direct = DIRECT * normal.dot(&towards).max(0.0);
         let lit = if direct > 0.0 { self.lit(&(place + normal * BIAS)) } else { 0.0 };
-        surface.colour * (around + direct * lit)
+        surface.color * (around + direct * lit)
     }
 
     /// How much of the light comes to a place: 0 in shadow, 1 in the light.

@@ -38,7 +38,7 @@ const SAMPLES: usize = 2;
 /// How much of a mark is still seen behind other things.
 const BEHIND: f32 = 0.4;
 
-/// Colours at the bottom and at the top of what is behind everything (linear).
+/// Colors at the bottom and at the top of what is behind everything (linear).
 const BACKGROUND: [Vector3<f32>; 2] =
     [Vector3::new(0.50, 0.53, 0.57), Vector3::new(0.80, 0.84, 0.88)];
 
@@ -101,32 +101,31 @@ impl Renderer {
             let background = high.lerp(&low, y as f32 / self.height as f32);
             for x in 0..self.width {
                 let samples = samples(x, y);
-                let mut colour = self.mean(view, &samples, &background);
-                self.put_marks_on(view, &samples, &mut colour);
-                rgb.extend(encode(&colour));
+                let mut color = self.mean(view, &samples, &background);
+                self.put_marks_on(view, &samples, &mut color);
+                rgb.extend(encode(&color));
             }
         }
         Image { width: self.width, height: self.height, rgb }
     }
 
-    /// The colour of a pixel without marks: a surface is shaded once for samples in a row.
+    /// The color of a pixel without marks: a surface is shaded once for samples in a row.
     fn mean(&self, view: &View, samples: &[[usize; 2]], behind: &Vector3<f32>) -> Vector3<f32> {
         let mut sum = Vector3::zeros();
         let mut last = (NONE, *behind);
         for &[x, y] in samples {
             let (id, nearness) = self.solid.at(x, y);
             if id != last.0 {
-                let colour =
-                    if id == NONE { *behind } else { self.shade(id, view, x, y, nearness) };
-                last = (id, colour);
+                let color = if id == NONE { *behind } else { self.shade(id, view, x, y, nearness) };
+                last = (id, color);
             }
             sum += last.1;
         }
         sum / samples.len() as f32
     }
 
-    /// Paints marks over the colour of a pixel.
-    fn put_marks_on(&self, view: &View, samples: &[[usize; 2]], colour: &mut Vector3<f32>) {
+    /// Paints marks over the color of a pixel.
+    fn put_marks_on(&self, view: &View, samples: &[[usize; 2]], color: &mut Vector3<f32>) {
         let mut mark = None;
         let mut opacity = 0.0;
         for &[x, y] in samples {
@@ -140,11 +139,11 @@ impl Renderer {
         }
         if let Some((id, x, y, nearness)) = mark {
             let paint = self.shade(id, view, x, y, nearness);
-            *colour += (paint - *colour) * (opacity / samples.len() as f32);
+            *color += (paint - *color) * (opacity / samples.len() as f32);
         }
     }
 
-    /// The colour of a surface in a sample.
+    /// The color of a surface in a sample.
     fn shade(&self, id: u32, view: &View, x: usize, y: usize, nearness: f32) -> Vector3<f32> {
         self.light.shade(&self.surfaces[id as usize], &view.place(x, y, nearness))
     }

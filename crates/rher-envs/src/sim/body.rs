@@ -11,11 +11,11 @@ pub struct Body(pub(super) RigidBodyHandle);
 /// Where a [`Body`] is and how it moves, in the world frame.
 #[derive(Clone, Copy)]
 pub struct Motion {
-    /// Centre, in metres.
+    /// Center, in meters.
     pub position: Position,
     /// Orientation; a block starts with none.
     pub rotation: UnitQuaternion<f32>,
-    /// Metres per second.
+    /// Meters per second.
     pub velocity: Vector3<f32>,
     /// Radians per second.
     pub spin: Vector3<f32>,
@@ -25,7 +25,7 @@ pub struct Motion {
 #[derive(Clone, Copy)]
 pub(super) struct Loose {
     pub(super) body: Body,
-    /// How much higher its middle is than if it had its usual size, in metres.
+    /// How much higher its middle is than if it had its usual size, in meters.
     pub(super) raised: f32,
 }
 

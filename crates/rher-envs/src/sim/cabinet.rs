@@ -6,7 +6,7 @@ use super::look::{DRAWER as PAINT, FURNITURE};
 use super::material::with_friction;
 use super::scenery::Scenery;
 use super::world::World;
-use crate::thing::object_colour;
+use crate::thing::object_color;
 use nalgebra::Vector3;
 use rapier3d::prelude::{
     ColliderBuilder, GenericJointBuilder, JointAxesMask, JointAxis, LockedAxes, MotorModel,
@@ -14,13 +14,13 @@ use rapier3d::prelude::{
 };
 use rher_core::goal::Position;
 
-/// How far the drawer opens, in metres.
+/// How far the drawer opens, in meters.
 pub(crate) const DRAWER_TRAVEL: f32 = 0.2;
 
-/// Height of the drawer's bottom, on which things lie, above the cabinet's foot, in metres.
+/// Height of the drawer's bottom, on which things lie, above the cabinet's foot, in meters.
 const BOTTOM: f32 = 0.075;
 
-/// From the middle of the cabinet's foot to the middle of the handle's bow, in metres.
+/// From the middle of the cabinet's foot to the middle of the handle's bow, in meters.
 const HANDLE: Vector3<f32> = Vector3::new(-0.124, 0.0, 0.13);
 
 /// Kilograms.
@@ -29,11 +29,11 @@ const DRAWER_MASS: f32 = 2.0;
 /// Dry friction of the drawer's slide, in newtons.
 const FRICTION: f32 = 30.0;
 
-/// Newton seconds per metre: the drawer creeps by a millimetre per second for every newton that
+/// Newton seconds per meter: the drawer creeps by a millimeter per second for every newton that
 /// pulls it, up to its friction.
 const CREEP: f32 = 1000.0;
 
-/// The sides, the top and the back of the cabinet: centres from its foot and half edges, in metres.
+/// The sides, the top and the back of the cabinet: centers from its foot and half edges, in meters.
 const CASE: [(Vector, Vector); 4] = [
     (Vector::new(0.0, -0.105, 0.084), Vector::new(0.1, 0.005, 0.084)),
     (Vector::new(0.0, 0.105, 0.084), Vector::new(0.1, 0.005, 0.084)),
@@ -42,7 +42,7 @@ const CASE: [(Vector, Vector); 4] = [
 ];
 
 /// Bottom, front, back and sides of the closed drawer, then the bar of its handle and what holds
-/// it: centres from the cabinet's foot and half edges, in metres.
+/// it: centers from the cabinet's foot and half edges, in meters.
 const DRAWER: [(Vector, Vector); 8] = [
     (Vector::new(-0.0085, 0.0, BOTTOM - 0.005), Vector::new(0.0915, 0.095, 0.005)),
     (Vector::new(-0.095, 0.0, 0.08), Vector::new(0.005, 0.095, 0.07)),
@@ -78,9 +78,9 @@ impl Scenery {
             (case, CASE.as_slice(), 0.0),
             (drawer, DRAWER.as_slice(), DRAWER_MASS / DRAWER.len() as f32),
         ] {
-            for (centre, half) in boxes {
+            for (center, half) in boxes {
                 let wall = with_friction(ColliderBuilder::cuboid(half.x, half.y, half.z));
-                let wall = rounded(wall).translation(*centre).mass(mass);
+                let wall = rounded(wall).translation(*center).mass(mass);
                 self.colliders.insert_with_parent(wall, body, &mut self.bodies);
             }
         }
@@ -93,14 +93,14 @@ impl Scenery {
         self.joints.insert(case, drawer, slide, true);
         self.show("cabinet", Body(case), &[FURNITURE]);
         // The handle is the object.
-        self.show("drawer", Body(drawer), &[PAINT, PAINT, PAINT, PAINT, PAINT, object_colour(0)]);
+        self.show("drawer", Body(drawer), &[PAINT, PAINT, PAINT, PAINT, PAINT, object_color(0)]);
         Cabinet { case: Body(case), drawer: Body(drawer) }
     }
 }
 
 impl Cabinet {
     /// Puts the cabinet of a fresh world where its closed drawer has its handle at `handle`, and
-    /// opens the drawer by metres.
+    /// opens the drawer by meters.
     pub(crate) fn place(self, handle: Position, open: f32, world: &mut World) {
         let foot = handle - HANDLE;
         world.place(self.case, foot, 0.0);

@@ -10,7 +10,7 @@ pub(crate) const LONGEST_DELAY: usize = 8;
 /// What a camera sees of a few things.
 #[derive(Clone)]
 pub(super) struct Camera {
-    /// Standard deviation of each coordinate, in metres.
+    /// Standard deviation of each coordinate, in meters.
     noise: f32,
     /// Steps by which it is late.
     delay: usize,

@@ -16,25 +16,25 @@ use rapier3d::prelude::{
 use rher_core::goal::Position;
 use std::f32::consts::FRAC_PI_2;
 
-/// Half the edges of a finger, in metres: thick, wide along the closing axis y, long.
+/// Half the edges of a finger, in meters: thick, wide along the closing axis y, long.
 const FINGER_HALF: Vector = Vector::new(0.0135, 0.007, 0.0385);
 
 /// Kilograms.
 const FINGER_MASS: f32 = 1.5;
 
-/// From the middle of the gripper to a closed finger's centre, along y, in metres.
+/// From the middle of the gripper to a closed finger's center, along y, in meters.
 const FINGER_OFFSET: f32 = 0.0079;
 
-/// From the grip centre up to the fingers' centre, in metres.
+/// From the grip center up to the fingers' center, in meters.
 const FINGER_HEIGHT: f32 = 0.019;
 
-/// How far a finger opens, in metres.
+/// How far a finger opens, in meters.
 const FINGER_RANGE: f32 = 0.05;
 
-/// Radius of a cue, in metres.
+/// Radius of a cue, in meters.
 pub(crate) const CUE_RADIUS: f32 = 0.005;
 
-/// Half the length of a cue, in metres.
+/// Half the length of a cue, in meters.
 const CUE_HALF_LENGTH: f32 = 0.05;
 
 /// Coefficient of friction of a cue: smooth metal.
@@ -57,7 +57,7 @@ const HAND_PRESS: f32 = 75.0;
 
 /// What a stretched arm takes back of where the hand should go.
 const STRETCHED: Recoil = Recoil {
-    centre: Vector::new(0.65, 0.7491, 0.37),
+    center: Vector::new(0.65, 0.7491, 0.37),
     radius: 0.87,
     inside: false,
     strength: 0.092,
@@ -65,21 +65,21 @@ const STRETCHED: Recoil = Recoil {
 
 /// The same for an arm that is folded.
 const FOLDED: Recoil = Recoil {
-    centre: Vector::new(0.45, 0.7491, 0.95),
+    center: Vector::new(0.45, 0.7491, 0.95),
     radius: 0.826,
     inside: true,
     strength: 0.067,
 };
 
-/// How far the lead is ahead of the hand at most when a step begins, in metres.
+/// How far the lead is ahead of the hand at most when a step begins, in meters.
 ///
 /// It carries the load of what is held: without it the hand would sink a little each step.
 const HAND_SLACK: f32 = 0.0025;
 
-/// Stiffness of the fingers' actuators, in newtons per metre.
+/// Stiffness of the fingers' actuators, in newtons per meter.
 const ACTUATOR_STIFFNESS: f32 = 30_000.0;
 
-/// The most an actuator can be asked to open a finger, in metres.
+/// The most an actuator can be asked to open a finger, in meters.
 const ACTUATOR_RANGE: f32 = 0.2;
 
 /// Square of the angular frequency with which an actuator moves its finger: stiffness over
@@ -92,7 +92,7 @@ const ACTUATOR_DAMPING: f32 = 1000.0 / 104.0;
 /// The most that a finger squeezes, in newtons.
 const GRIP_FORCE: f32 = 150.0;
 
-/// Damping of the joint between the fingers, in newton seconds per metre.
+/// Damping of the joint between the fingers, in newton seconds per meter.
 const GRIP_DAMPING: f32 = 400.0;
 
 /// What the fingers can do.
@@ -109,13 +109,13 @@ pub enum Fingers {
 /// The gripper at one moment, in the world frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Grip {
-    /// Grip centre, in metres.
+    /// Grip center, in meters.
     pub position: Position,
-    /// Metres per second.
+    /// Meters per second.
     pub velocity: Vector3<f32>,
-    /// How far each finger is open, that on the side of +y first, in metres.
+    /// How far each finger is open, that on the side of +y first, in meters.
     pub opening: [f32; 2],
-    /// Metres per second.
+    /// Meters per second.
     pub opening_velocity: [f32; 2],
 }
 
@@ -125,9 +125,9 @@ pub(super) struct Gripper {
     hand: Hand,
     lead: Lead,
     opening: Opening,
-    /// From the hand's centre down to the grip centre, in metres.
+    /// From the hand's center down to the grip center, in meters.
     height: f32,
-    /// Half the length of the fingers or the cue, in metres.
+    /// Half the length of the fingers or the cue, in meters.
     half_length: f32,
     /// From where the robot stands in `FetchPush` to where it stands.
     robot: Vector,
@@ -137,9 +137,9 @@ pub(super) struct Gripper {
 /// Where actions can bring the hand.
 #[derive(Clone, Copy)]
 pub(super) struct HandRange {
-    /// How far an action of 1 moves the point that the hand is after, in metres.
+    /// How far an action of 1 moves the point that the hand is after, in meters.
     pub(super) per_step: f32,
-    /// The box that actions keep the grip centre in, from its lowest corner to its highest.
+    /// The box that actions keep the grip center in, from its lowest corner to its highest.
     pub(super) corners: [Vector; 2],
 }
 
@@ -168,7 +168,7 @@ struct Lead {
 
 /// A sphere that the hand leaves against resistance.
 struct Recoil {
-    centre: Vector,
+    center: Vector,
     radius: f32,
     /// Whether the resistance is inside of it.
     inside: bool,
@@ -185,7 +185,7 @@ struct Opening {
 }
 
 impl Gripper {
-    /// Fingers closed, grip centre at `home`.
+    /// Fingers closed, grip center at `home`.
     pub(super) fn new(
         fingers: Fingers,
         home: Vector,
@@ -197,10 +197,10 @@ impl Gripper {
             Fingers::Locked | Fingers::Free => (FINGER_HEIGHT, FINGER_HALF.z),
             Fingers::Cue => (CUE_HALF_LENGTH, CUE_HALF_LENGTH),
         };
-        let centre = home + Vector::Z * height;
+        let center = home + Vector::Z * height;
         let mut add = |y: f32, shape: ColliderBuilder, mass: f32| {
             let body = RigidBodyBuilder::dynamic()
-                .translation(centre + Vector::Y * y)
+                .translation(center + Vector::Y * y)
                 .lock_rotations()
                 .gravity_scale(0.0)
                 .can_sleep(false);
@@ -237,7 +237,7 @@ impl Gripper {
         };
         Self {
             hand,
-            lead: Lead { position: centre, velocity: Vector::ZERO, target: centre },
+            lead: Lead { position: center, velocity: Vector::ZERO, target: center },
             opening: Opening { position: 0.0, velocity: 0.0, target: 0.0 },
             height,
             half_length,
@@ -259,7 +259,7 @@ impl Gripper {
     /// Turns an action into targets for the rest of the step.
     pub(super) fn aim(&mut self, action: [f32; 4], bodies: &RigidBodySet) {
         let [x, y, z, opening] = action;
-        let (position, velocity) = self.hand.centre(bodies);
+        let (position, velocity) = self.hand.center(bodies);
         let reach = position - self.robot - Vector::Z * self.height;
         self.lead.aim(Vector::new(x, y, z) * self.range.per_step, position, velocity);
         self.lead.target = self.lead.target + STRETCHED.at(reach) + FOLDED.at(reach);
@@ -277,7 +277,7 @@ impl Gripper {
         joints: &mut ImpulseJointSet,
         seconds: f32,
     ) {
-        let (position, velocity) = self.hand.centre(bodies);
+        let (position, velocity) = self.hand.center(bodies);
         let acceleration = self.lead.advance(seconds);
         // Implicit: what brings the hand to its lead by the end of this time, not what would
         // have been right at its beginning.
@@ -320,20 +320,20 @@ impl Gripper {
         }
     }
 
-    /// From the grip centre to the upper end of the fingers or the cue, in metres.
+    /// From the grip center to the upper end of the fingers or the cue, in meters.
     pub(super) fn top(&self) -> f32 {
         self.height + self.half_length
     }
 
     /// The gripper now.
     pub(super) fn grip(&self, bodies: &RigidBodySet) -> Grip {
-        let (centre, velocity) = self.hand.centre(bodies);
+        let (center, velocity) = self.hand.center(bodies);
         let (opening, opening_velocity) = match self.hand {
             Hand::Closed(_) => (0.0, 0.0),
             Hand::Fingers(fingers, _) => gap(fingers, bodies),
         };
         Grip {
-            position: point(centre - Vector::Z * self.height),
+            position: point(center - Vector::Z * self.height),
             velocity: nalgebra(velocity),
             opening: [opening; 2],
             opening_velocity: [opening_velocity; 2],
@@ -342,8 +342,8 @@ impl Gripper {
 }
 
 impl Hand {
-    /// Position and velocity of the fingers' common centre.
-    fn centre(self, bodies: &RigidBodySet) -> (Vector, Vector) {
+    /// Position and velocity of the fingers' common center.
+    fn center(self, bodies: &RigidBodySet) -> (Vector, Vector) {
         match self {
             Self::Closed(body) => (bodies[body].translation(), bodies[body].linvel()),
             Self::Fingers([a, b], _) => {
@@ -391,9 +391,9 @@ impl Lead {
 }
 
 impl Recoil {
-    /// How far the target of a hand with its grip centre at `hand` is drawn back.
+    /// How far the target of a hand with its grip center at `hand` is drawn back.
     fn at(&self, hand: Vector) -> Vector {
-        let arm = hand - self.centre;
+        let arm = hand - self.center;
         let length = arm.length();
         let beyond = length - self.radius;
         if (beyond < 0.0) == self.inside {

@@ -6,7 +6,7 @@ use super::edges::rounded;
 use super::gripper::HandRange;
 use super::look::{FURNITURE, Look, Solid, TABLE};
 use super::material::{rough, slippery, with_friction};
-use crate::thing::{Colour, object_colour};
+use crate::thing::{Color, object_color};
 use nalgebra::Vector3;
 use rapier3d::prelude::{
     CoefficientCombineRule, ColliderBuilder, ColliderSet, ImpulseJointSet, RigidBodyBuilder,
@@ -15,7 +15,7 @@ use rapier3d::prelude::{
 use rher_core::goal::Position;
 use std::f32::consts::FRAC_PI_2;
 
-/// Edge of a block, in metres.
+/// Edge of a block, in meters.
 pub(crate) const BLOCK_EDGE: f32 = 0.05;
 
 /// Kilograms.
@@ -24,25 +24,25 @@ const BLOCK_MASS: f32 = 2.0;
 /// Kilograms.
 const SLUGGISH_MASS: f32 = 4.0;
 
-/// Kilogram square metres, about each axis.
+/// Kilogram square meters, about each axis.
 const SLUGGISH_INERTIA: f32 = 0.01;
 
-/// Newton seconds per metre, and newton metre seconds per radian.
+/// Newton seconds per meter, and newton meter seconds per radian.
 const SLUGGISH_DAMPING: f32 = 10.0;
 
-/// Metres.
+/// Meters.
 const PUCK_RADIUS: f32 = 0.025;
 
-/// Metres.
+/// Meters.
 pub(crate) const PUCK_HEIGHT: f32 = 0.04;
 
 /// Kilograms.
 const PUCK_MASS: f32 = 2.0;
 
-/// Metres.
+/// Meters.
 pub(crate) const CYLINDER_RADIUS: f32 = 0.025;
 
-/// Metres.
+/// Meters.
 pub(crate) const CYLINDER_HEIGHT: f32 = 0.03;
 
 /// Kilograms: beech.
@@ -56,14 +56,14 @@ const CYLINDER_GRAVITY: f32 = 25.0;
 /// Coefficient of friction of planed wood on planed wood.
 const WOOD_ON_WOOD: f32 = 0.4;
 
-/// Half the edges of the obstacle, in metres.
+/// Half the edges of the obstacle, in meters.
 pub(crate) const OBSTACLE_HALF: [f32; 3] = [0.01, 0.04, 0.025];
 
 /// Coefficient of friction of the obstacle: with 1, a hand that presses on it is caught, which
 /// `MuJoCo`'s soft contacts let slide along it.
 const OBSTACLE_FRICTION: f32 = 0.1;
 
-/// Metres.
+/// Meters.
 pub(crate) const PLATE_HEIGHT: f32 = 0.08;
 
 /// A [`World`](super::World) that is being furnished.
@@ -75,7 +75,7 @@ pub struct Scenery {
     pub(super) loose: Vec<Loose>,
     /// What can be seen.
     pub(super) looks: Vec<Look>,
-    /// From where the robot stands in `FetchPush` to where it stands here, in metres.
+    /// From where the robot stands in `FetchPush` to where it stands here, in meters.
     pub(super) robot: Vector3<f32>,
     pub(super) hand_range: HandRange,
 }
@@ -96,7 +96,7 @@ impl Scenery {
     pub fn block(&mut self) -> Body {
         let index = self.loose.len();
         let block = self.cube(RigidBodyBuilder::dynamic(), BLOCK_MASS);
-        self.show(&format!("block_{}", index + 1), block, &[object_colour(index)]);
+        self.show(&format!("block_{}", index + 1), block, &[object_color(index)]);
         block
     }
 
@@ -107,7 +107,7 @@ impl Scenery {
             .angular_damping(SLUGGISH_DAMPING / SLUGGISH_INERTIA);
         let block = self.cube(body, SLUGGISH_MASS);
         // The first object is the handle of the drawer.
-        self.show("block", block, &[object_colour(1)]);
+        self.show("block", block, &[object_color(1)]);
         block
     }
 
@@ -119,12 +119,12 @@ impl Scenery {
         self.loose(body)
     }
 
-    /// Makes an action of 1 move the hand's target by `per_step` metres instead of 5 cm.
+    /// Makes an action of 1 move the hand's target by `per_step` meters instead of 5 cm.
     pub(crate) fn slow_hand(&mut self, per_step: f32) {
         self.hand_range.per_step = per_step;
     }
 
-    /// Lets no action bring the grip centre below a height, in metres.
+    /// Lets no action bring the grip center below a height, in meters.
     pub(crate) fn keep_hand_above(&mut self, height: f32) {
         self.hand_range.corners[0].z = height;
     }
@@ -134,7 +134,7 @@ impl Scenery {
         self.table_of(Vector::new(1.42, 0.75, 0.16), Vector::new(0.25, 0.35, 0.16), with_friction);
     }
 
-    /// Moves the robot from where it stands in `FetchPush`, by metres: its arm reaches elsewhere.
+    /// Moves the robot from where it stands in `FetchPush`, by meters: its arm reaches elsewhere.
     pub(crate) fn move_robot(&mut self, offset: Vector3<f32>) {
         self.robot += offset;
     }
@@ -158,7 +158,7 @@ impl Scenery {
             .rotation(Vector::X * FRAC_PI_2)
             .mass(PUCK_MASS);
         self.colliders.insert_with_parent(disc, body, &mut self.bodies);
-        self.show("puck", Body(body), &[object_colour(0)]);
+        self.show("puck", Body(body), &[object_color(0)]);
         self.loose(body)
     }
 
@@ -178,11 +178,11 @@ impl Scenery {
             .friction(WOOD_ON_WOOD)
             .mass(CYLINDER_MASS);
         self.colliders.insert_with_parent(cylinder, body, &mut self.bodies);
-        self.show("cylinder", Body(body), &[object_colour(0)]);
+        self.show("cylinder", Body(body), &[object_color(0)]);
         self.loose(body)
     }
 
-    /// Keeps the grip centre in a box, from its lowest corner to its highest.
+    /// Keeps the grip center in a box, from its lowest corner to its highest.
     pub(crate) fn limit_hand(&mut self, lowest: Position, highest: Position) {
         self.hand_range.corners = [glam(lowest.coords), glam(highest.coords)];
     }
@@ -206,7 +206,7 @@ impl Scenery {
     }
 
     /// A plate of 20 by 20 cm, 8 cm high, with a hole of 4 by 4 cm in its middle, which is the
-    /// centre of the body. Nothing moves it.
+    /// center of the body. Nothing moves it.
     pub(crate) fn plate_with_hole(&mut self) -> Body {
         const HALF: f32 = 0.1;
         const HOLE: f32 = 0.02;
@@ -228,21 +228,21 @@ impl Scenery {
         Body(body)
     }
 
-    /// A table, from its centre, half its edges, and how its top is to the touch.
+    /// A table, from its center, half its edges, and how its top is to the touch.
     fn table_of(
         &mut self,
-        centre: Vector,
+        center: Vector,
         half: Vector,
         touch: impl FnOnce(ColliderBuilder) -> ColliderBuilder,
     ) {
-        let table = touch(ColliderBuilder::cuboid(half.x, half.y, half.z)).translation(centre);
+        let table = touch(ColliderBuilder::cuboid(half.x, half.y, half.z)).translation(center);
         let table = self.colliders.insert(table);
         self.looks.push(Look::new("table", Solid::Ground(table), &[TABLE]));
     }
 
-    /// Says how a body looks: the colour of each of its colliders, the last being that of all
+    /// Says how a body looks: the color of each of its colliders, the last being that of all
     /// others.
-    pub(super) fn show(&mut self, name: &str, body: Body, colours: &[Colour]) {
-        self.looks.push(Look::new(name, Solid::Body(body.0), colours));
+    pub(super) fn show(&mut self, name: &str, body: Body, colors: &[Color]) {
+        self.looks.push(Look::new(name, Solid::Body(body.0), colors));
     }
 }

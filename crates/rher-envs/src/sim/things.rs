@@ -3,17 +3,17 @@
 use super::convert::nalgebra;
 use super::look::{Look, Solid};
 use super::world::World;
-use crate::thing::{Colour, Form, Role, Shape, Thing};
+use crate::thing::{Color, Form, Role, Shape, Thing};
 use ::nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use rapier3d::prelude::{Collider, Pose};
 use std::f32::consts::FRAC_PI_2;
 
-const HAND: Colour = [0.25, 0.27, 0.31, 1.0];
+const HAND: Color = [0.25, 0.27, 0.31, 1.0];
 
-/// Half the edges of the palm above the fingers, in metres; it is seen and not felt.
+/// Half the edges of the palm above the fingers, in meters; it is seen and not felt.
 const PALM_HALF: Vector3<f32> = Vector3::new(0.02, 0.068, 0.014);
 
-/// Radius and height of the wrist above the palm, in metres; it is seen and not felt.
+/// Radius and height of the wrist above the palm, in meters; it is seen and not felt.
 const WRIST: [f32; 2] = [0.022, 0.09];
 
 impl World {
@@ -23,7 +23,7 @@ impl World {
         looks.chain(std::iter::once(self.hand())).collect()
     }
 
-    fn thing(&self, Look { name, solid, colours }: &Look) -> Thing {
+    fn thing(&self, Look { name, solid, colors }: &Look) -> Thing {
         let (pose, role, colliders) = match solid {
             Solid::Body(body) => {
                 let body = &self.state.bodies[*body];
@@ -35,13 +35,13 @@ impl World {
                 (pose, Role::Fixed, std::slice::from_ref(collider))
             }
         };
-        let paint = colours.iter().chain(colours.last().into_iter().cycle());
+        let paint = colors.iter().chain(colors.last().into_iter().cycle());
         let shapes = colliders.iter().zip(paint);
-        let shapes = shapes.filter_map(|(collider, colour)| {
+        let shapes = shapes.filter_map(|(collider, color)| {
             let collider = &self.state.colliders[*collider];
             let (form, turn) = form(collider)?;
             let place = collider.position_wrt_parent().map_or(Isometry3::identity(), isometry);
-            Some(Shape { form, pose: place * turn, colour: *colour })
+            Some(Shape { form, pose: place * turn, color: *color })
         });
         Thing { name: name.clone(), role, pose, shapes: shapes.collect() }
     }
@@ -53,7 +53,7 @@ impl World {
         let palm = self.state.gripper.top() + PALM_HALF.z;
         let wrist = palm + PALM_HALF.z + height / 2.0;
         let shape =
-            |form, z| Shape { form, pose: Isometry3::translation(0.0, 0.0, z), colour: HAND };
+            |form, z| Shape { form, pose: Isometry3::translation(0.0, 0.0, z), color: HAND };
         Thing {
             name: "hand".to_owned(),
             role: Role::Moving,

@@ -40,13 +40,13 @@ const CONTACT_FREQUENCY: f32 = 0.25 * SUBSTEPS as f32 * SOLVER_ITERATIONS as f32
 /// Damping ratio of contacts.
 const CONTACT_DAMPING: f32 = 10.0;
 
-/// Typical size of things, in metres.
+/// Typical size of things, in meters.
 ///
-/// With Rapier's default of 1 m a block hovers when its centre is past the table's edge: contact
+/// With Rapier's default of 1 m a block hovers when its center is past the table's edge: contact
 /// points are re-used until a pair has moved by a twentieth of this.
 const LENGTH_UNIT: f32 = 0.1;
 
-/// Metres per second squared.
+/// Meters per second squared.
 const GRAVITY: f32 = 9.81;
 
 /// A gripper and the things around it.
@@ -69,7 +69,7 @@ pub struct World {
 /// How well a camera sees.
 #[derive(Clone, Copy)]
 pub(super) struct Watch {
-    /// Standard deviation of each coordinate, in metres.
+    /// Standard deviation of each coordinate, in meters.
     pub(super) noise: f32,
     /// Steps by which it is late.
     pub(super) delay: usize,
@@ -92,7 +92,7 @@ pub(crate) struct State {
 }
 
 impl World {
-    /// A gripper with its grip centre at `home`, over a floor at height 0, with what `furnish`
+    /// A gripper with its grip center at `home`, over a floor at height 0, with what `furnish`
     /// adds to it.
     pub fn new<T>(
         fingers: Fingers,
@@ -262,7 +262,7 @@ fn parameters() -> IntegrationParameters {
         static_contact_softness: softness,
         length_unit: LENGTH_UNIT,
         max_ccd_substeps: 0,
-        // `Coulomb` turns a block that is pushed off its centre three times as far as MuJoCo does.
+        // `Coulomb` turns a block that is pushed off its center three times as far as MuJoCo does.
         friction_model: FrictionModel::Simplified,
         ..IntegrationParameters::default()
     }

@@ -12,10 +12,10 @@ pub(super) const ON_TABLE: Position = Position::new(1.363, MIDDLE, 0.416);
 /// Where the gripper starts in the air, its fingers closed, as in `FetchPickAndPlace`.
 pub(super) const IN_THE_AIR: Position = Position::new(1.3419, MIDDLE, 0.5347);
 
-/// Height of a block's centre once it has settled on the table, in metres.
+/// Height of a block's center once it has settled on the table, in meters.
 const BLOCK_HEIGHT: f32 = 0.42489;
 
-/// How near to the gripper no block starts, along the table, in metres.
+/// How near to the gripper no block starts, along the table, in meters.
 const CLEARANCE: f32 = 0.1;
 
 /// Blocks on the table, in relay order.
@@ -50,7 +50,7 @@ impl<const N: usize> Blocks<N> {
     }
 }
 
-/// Draws places for blocks, up to `spread` metres from `home` along x and y, until `fit` accepts
+/// Draws places for blocks, up to `spread` meters from `home` along x and y, until `fit` accepts
 /// them all.
 pub(super) fn draw_places<const N: usize>(
     home: Position,
@@ -84,7 +84,7 @@ pub(super) fn are_clear_of(home: Position, places: &[Position]) -> bool {
     places.iter().all(|place| (place - home).xy().norm() >= CLEARANCE)
 }
 
-/// Whether every two places are at least `distance` metres from each other.
+/// Whether every two places are at least `distance` meters from each other.
 pub(super) fn are_apart(distance: f32, places: &[Position]) -> bool {
     every_two(places).all(|(a, b)| (a - b).xy().norm() >= distance)
 }

@@ -7,13 +7,13 @@ use crate::simulation::{Layout, Scenario};
 use rand_chacha::ChaCha8Rng;
 use rher_core::goal::Position;
 
-/// How far from the gripper blocks and targets are drawn, along x and y, in metres.
+/// How far from the gripper blocks and targets are drawn, along x and y, in meters.
 const SPREAD: f32 = 0.1;
 
-/// Metres between the blocks at the start.
+/// Meters between the blocks at the start.
 const BLOCKS_APART: f32 = 0.08;
 
-/// Metres between the targets.
+/// Meters between the targets.
 const TARGETS_APART: f32 = 0.1;
 
 /// Push two blocks, each to its place on the table.

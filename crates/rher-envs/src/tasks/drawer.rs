@@ -17,7 +17,7 @@ const HIGHER: Vector3<f32> = Vector3::new(0.0, 0.0, 0.15);
 /// Where the handle of the closed drawer is.
 const HANDLE: Position = Position::new(1.376, 0.63, 0.45);
 
-/// How far an action of 1 moves the point that the hand is after, in metres.
+/// How far an action of 1 moves the point that the hand is after, in meters.
 const REACH_PER_STEP: f32 = 0.04;
 
 /// Pull a drawer open by its handle.

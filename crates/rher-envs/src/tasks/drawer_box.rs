@@ -14,13 +14,13 @@ const HOME: Position = Position::new(1.3419, MIDDLE, 0.6347);
 /// Where the robot stands, from where it stands in `FetchPush`.
 const HIGHER: Vector3<f32> = Vector3::new(0.0, 0.0, 0.15);
 
-/// Height of the handle, in metres.
+/// Height of the handle, in meters.
 const HANDLE_HEIGHT: f32 = 0.45;
 
-/// Height of the block's centre once it has settled in the drawer, in metres.
+/// Height of the block's center once it has settled in the drawer, in meters.
 const BLOCK_HEIGHT: f32 = 0.4199;
 
-/// Height that is asked of the block on top of the cabinet, in metres.
+/// Height that is asked of the block on top of the cabinet, in meters.
 const TOP_HEIGHT: f32 = 0.51;
 
 /// Pull a drawer open, take a block out of it and put it on top of the cabinet.
@@ -53,9 +53,10 @@ impl Scenario<2> for DrawerBox {
             rng.random_range(0.77..0.78),
             HANDLE_HEIGHT,
         );
-        let block = beside(handle, 0.1 + centred(0.02, rng), centred(0.02, rng), BLOCK_HEIGHT);
+        let block = beside(handle, 0.1 + centered(0.02, rng), centered(0.02, rng), BLOCK_HEIGHT);
         let open = handle - Vector3::x() * (0.15 + rng.random_range(0.0..0.03));
-        let top = beside(handle, 0.1 + rng.random_range(-0.03..0.1), centred(0.1, rng), TOP_HEIGHT);
+        let top =
+            beside(handle, 0.1 + rng.random_range(-0.03..0.1), centered(0.1, rng), TOP_HEIGHT);
         Layout::new([handle, block], [open, top])
     }
 
@@ -75,12 +76,12 @@ impl Scenario<2> for DrawerBox {
     }
 }
 
-/// A place at another height, metres further along x and y.
+/// A place at another height, meters further along x and y.
 fn beside(place: Position, x: f32, y: f32, height: f32) -> Position {
     Position::new(place.x + x, place.y + y, height)
 }
 
 /// At most `spread` from 0.
-fn centred(spread: f32, rng: &mut impl Rng) -> f32 {
+fn centered(spread: f32, rng: &mut impl Rng) -> f32 {
     rng.random_range(-spread..spread)
 }

@@ -8,25 +8,25 @@ use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
 use rher_core::goal::Position;
 
-/// Where the grip centre starts, above the plate.
+/// Where the grip center starts, above the plate.
 const HOME: Position = Position::new(1.3419, MIDDLE, 0.5347);
 
-/// From the grip centre to the tip of the fingers.
+/// From the grip center to the tip of the fingers.
 const TIP: Vector3<f32> = Vector3::new(0.0, 0.0, -0.02);
 
-/// Height of the table, in metres.
+/// Height of the table, in meters.
 const TABLE: f32 = 0.36;
 
-/// Height of the plate's rim, in metres.
+/// Height of the plate's rim, in meters.
 const RIM: f32 = TABLE + PLATE_HEIGHT;
 
-/// Where the tip should go, above the table, in metres.
+/// Where the tip should go, above the table, in meters.
 const DEPTH: f32 = 0.01;
 
-/// How near to the axis of the hole the tip is in it, in metres.
+/// How near to the axis of the hole the tip is in it, in meters.
 const ON_AXIS: f32 = 0.01;
 
-/// How far above the target the tip is no longer in the hole, in metres.
+/// How far above the target the tip is no longer in the hole, in meters.
 const ABOVE: f32 = 0.09;
 
 /// Bring the gripper into a hole.
@@ -58,8 +58,8 @@ impl Scenario<1> for Insert {
 
     fn place(&self, layout: &Layout<1>, world: &mut World) {
         let [hole] = layout.targets;
-        let centre = Position::new(hole.x, hole.y, TABLE + PLATE_HEIGHT / 2.0);
-        world.place(self.plate, centre, 0.0);
+        let center = Position::new(hole.x, hole.y, TABLE + PLATE_HEIGHT / 2.0);
+        world.place(self.plate, center, 0.0);
     }
 
     fn gripper(&self, world: &World) -> Position {

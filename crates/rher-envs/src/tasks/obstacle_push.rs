@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 use rand_chacha::ChaCha8Rng;
 use rher_core::goal::Position;
 
-/// How far from the gripper block and target are drawn, along x and y, in metres.
+/// How far from the gripper block and target are drawn, along x and y, in meters.
 const SPREAD: f32 = 0.15;
 
 /// Push a block to a place on the table, round an obstacle.

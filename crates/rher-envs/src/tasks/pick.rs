@@ -8,13 +8,13 @@ use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
 use rher_core::goal::Position;
 
-/// How far from the gripper block and target are drawn, along x and y, in metres.
+/// How far from the gripper block and target are drawn, along x and y, in meters.
 const SPREAD: f32 = 0.15;
 
 /// Of all targets, those that are above the table.
 const LIFTED: f64 = 0.5;
 
-/// How far above the table a target is at most, in metres.
+/// How far above the table a target is at most, in meters.
 const LIFT: f32 = 0.45;
 
 /// Bring a block to a place on the table or above it.

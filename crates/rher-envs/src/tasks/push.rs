@@ -7,7 +7,7 @@ use crate::simulation::{Layout, Scenario};
 use rand_chacha::ChaCha8Rng;
 use rher_core::goal::Position;
 
-/// How far from the gripper block and target are drawn, along x and y, in metres.
+/// How far from the gripper block and target are drawn, along x and y, in meters.
 const SPREAD: f32 = 0.15;
 
 /// Push a block to a place on the table.

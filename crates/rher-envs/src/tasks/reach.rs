@@ -10,7 +10,7 @@ use rher_core::goal::Position;
 /// Where the gripper starts, its fingers closed.
 const HOME: Position = Position::new(1.3418, MIDDLE, 0.5347);
 
-/// How far from the gripper targets are drawn, along each axis, in metres.
+/// How far from the gripper targets are drawn, along each axis, in meters.
 const SPREAD: f32 = 0.15;
 
 /// Bring the gripper to a place in the air.

@@ -11,22 +11,22 @@ use rher_core::goal::Position;
 /// Where the gripper starts, its fingers pressed on the table.
 const HOME: Position = Position::new(1.0131, MIDDLE, 0.4155);
 
-/// The robot stands further back than in `FetchPush`, in metres.
+/// The robot stands further back than in `FetchPush`, in meters.
 const FURTHER_BACK: Vector3<f32> = Vector3::new(-0.3549, 0.0, 0.0);
 
-/// Height of the puck's centre on the table, in metres.
-const PUCK_CENTRE: f32 = 0.4 + PUCK_HEIGHT / 2.0;
+/// Height of the puck's center on the table, in meters.
+const PUCK_CENTER: f32 = 0.4 + PUCK_HEIGHT / 2.0;
 
-/// How far from the gripper the puck is drawn, along x and y, in metres.
+/// How far from the gripper the puck is drawn, along x and y, in meters.
 const PUCK_SPREAD: f32 = 0.1;
 
-/// How near to the gripper the puck never starts, along the table, in metres.
+/// How near to the gripper the puck never starts, along the table, in meters.
 const CLEARANCE: f32 = 0.1;
 
-/// How far ahead of the gripper the middle of the targets is, in metres.
+/// How far ahead of the gripper the middle of the targets is, in meters.
 const AHEAD: f32 = 0.4;
 
-/// How far from their middle targets are drawn, along x and y, in metres.
+/// How far from their middle targets are drawn, along x and y, in meters.
 const TARGET_SPREAD: f32 = 0.3;
 
 /// Hit a puck so that it slides to a place beyond reach.
@@ -53,7 +53,7 @@ impl Scenario<1> for Slide {
     fn draw(rng: &mut ChaCha8Rng) -> Layout<1> {
         let mut draw = |ahead: f32, spread: f32| {
             let mut offset = || rng.random_range(-spread..spread);
-            Position::new(HOME.x + ahead + offset(), HOME.y + offset(), PUCK_CENTRE)
+            Position::new(HOME.x + ahead + offset(), HOME.y + offset(), PUCK_CENTER)
         };
         let puck = loop {
             let puck = draw(0.0, PUCK_SPREAD);

@@ -7,17 +7,17 @@ use crate::simulation::{Layout, Scenario};
 use rand_chacha::ChaCha8Rng;
 use rher_core::goal::Position;
 
-/// How far from the gripper blocks and targets are drawn, along x and y, in metres.
+/// How far from the gripper blocks and targets are drawn, along x and y, in meters.
 const SPREAD: f32 = 0.1;
 
-/// Metres between the targets.
+/// Meters between the targets.
 const TARGETS_APART: f32 = 0.1;
 
 /// Push three blocks, each to its place on the table.
 ///
 /// The paper's `TPush`, with the ranges and the observation of the authors' `FetchThreePush`; the
 /// fourth number of an action does nothing. Blocks start beside one another: the authors' rule,
-/// 5 cm from centre to centre, lets their corners overlap.
+/// 5 cm from center to center, lets their corners overlap.
 pub struct TPush(Blocks<3>);
 
 impl Scenario<3> for TPush {

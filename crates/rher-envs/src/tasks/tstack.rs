@@ -7,10 +7,10 @@ use crate::simulation::{Layout, Scenario};
 use rand_chacha::ChaCha8Rng;
 use rher_core::goal::Position;
 
-/// How far from the gripper blocks and targets are drawn, along x and y, in metres.
+/// How far from the gripper blocks and targets are drawn, along x and y, in meters.
 const SPREAD: f32 = 0.1;
 
-/// Metres between the blocks at the start.
+/// Meters between the blocks at the start.
 const BLOCKS_APART: f32 = 0.08;
 
 /// Bring a block to a place on the table, and two more on top of it.

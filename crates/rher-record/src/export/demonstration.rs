@@ -13,10 +13,10 @@ pub struct Demonstration {
     pub steps: usize,
     /// `[T + 1, observation]`.
     pub observations: Vec<f32>,
-    /// `[T + 1, goal]`: where the objects are, in metres; where the gripper is if the task is to
+    /// `[T + 1, goal]`: where the objects are, in meters; where the gripper is if the task is to
     /// reach.
     pub achieved: Vec<f32>,
-    /// `[goal]`: where the same should be, in metres.
+    /// `[goal]`: where the same should be, in meters.
     pub desired: Vec<f32>,
     /// `[T, action]`, as they were carried out, in [−1, 1].
     pub actions: Vec<f32>,

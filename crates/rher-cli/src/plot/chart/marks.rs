@@ -4,7 +4,7 @@
 pub(crate) type Ink = [u8; 3];
 
 pub(super) const BLACK: Ink = [0x22, 0x22, 0x22];
-pub(super) const GREY: Ink = [0x77, 0x77, 0x77];
+pub(super) const GRAY: Ink = [0x77, 0x77, 0x77];
 pub(super) const PALE: Ink = [0xe4, 0xe4, 0xe4];
 
 #[derive(Clone, Debug)]

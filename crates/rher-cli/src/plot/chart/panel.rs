@@ -1,6 +1,6 @@
 //! One pair of axes and the lines in it.
 
-use super::marks::{Anchor, BLACK, GREY, Ink, LETTER, Mark, PALE};
+use super::marks::{Anchor, BLACK, GRAY, Ink, LETTER, Mark, PALE};
 
 /// Lines over a common axis; upright is a share, from 0 to 1.
 #[derive(Clone, Debug)]
@@ -62,17 +62,17 @@ impl Panel {
             let share = f64::from(quarter) / 4.0;
             marks.push(thin(vec![[left, y(share)], [right, y(share)]], PALE));
             let place = [left - 6.0, y(share) + LETTER / 3.0];
-            marks.push(words(format!("{:.0}%", 100.0 * share), place, Anchor::End, GREY, false));
+            marks.push(words(format!("{:.0}%", 100.0 * share), place, Anchor::End, GRAY, false));
         }
         let step = step(end, ((right - left) / TICK).floor().max(1.0).into());
         for tick in (0..).map(|tick| f64::from(tick) * step).take_while(|tick| *tick <= end) {
-            marks.push(thin(vec![[x(tick), bottom], [x(tick), bottom + 4.0]], GREY));
+            marks.push(thin(vec![[x(tick), bottom], [x(tick), bottom + 4.0]], GRAY));
             let place = [x(tick), bottom + 17.0];
-            marks.push(words((self.axis.show)(tick), place, Anchor::Middle, GREY, false));
+            marks.push(words((self.axis.show)(tick), place, Anchor::Middle, GRAY, false));
         }
-        marks.push(thin(vec![[left, bottom], [right, bottom]], GREY));
+        marks.push(thin(vec![[left, bottom], [right, bottom]], GRAY));
         let middle = [f32::midpoint(left, right), bottom + 33.0];
-        marks.push(words(self.axis.name.to_owned(), middle, Anchor::Middle, GREY, false));
+        marks.push(words(self.axis.name.to_owned(), middle, Anchor::Middle, GRAY, false));
 
         let at = |time: f64, share: f64| [x(time), y(share)];
         for line in &self.lines {

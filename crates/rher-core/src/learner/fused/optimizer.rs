@@ -71,7 +71,7 @@ struct Task<G> {
     gradients: G,
 }
 
-/// Neighbouring parameters and what belongs to them.
+/// Neighboring parameters and what belongs to them.
 struct Span<'a> {
     start: usize,
     online: &'a mut [f32],
