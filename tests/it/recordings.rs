@@ -1,13 +1,12 @@
 //! Recordings: readable by others, whole whenever a program ends, and provably real.
 
 use crate::python::{self, python};
-use crate::support::{Rher, TINY};
+use crate::support::{Rher, TINY, shell};
 use mcap::records::MessageHeader;
 use mcap::{MessageStream, Summary};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::process::Command;
 use std::time::{Duration, Instant};
 
 /// A recording of three episodes of an untrained policy.
@@ -90,7 +89,7 @@ fn every_task_can_be_played_recorded_and_proved() {
 }
 
 #[test]
-fn a_proof_knows_the_options_and_what_was_randomised() {
+fn a_proof_knows_the_options_and_what_was_randomized() {
     let settings = "--set randomize.friction=[0.5,1.5] --set randomize.sensor_noise=[0.001,0.002] \
         --set randomize.action_delay=[0,2] --set task.observe_obstacle=false";
     let rher = recorded("obstacle-push", settings);
@@ -315,13 +314,6 @@ fn two_recordings_of_one_name_do_not_disturb_each_other() {
     rher.ok("play run --episodes 1 --mcap again.mcap");
     assert!(!rher.path("again.part.mcap").exists());
     assert!(rher.ok("replay again.mcap").starts_with("1 episodes"));
-}
-
-/// A shell command in the folder of a test, with the program as `$RHER`.
-fn shell(rher: &Rher, script: &str) -> crate::support::Ran {
-    let mut command = Command::new("sh");
-    command.args(["-c", script]).current_dir(rher.path(""));
-    command.env("RHER", env!("CARGO_BIN_EXE_rher")).output().unwrap().into()
 }
 
 #[test]

@@ -117,6 +117,13 @@ impl Rher {
     }
 }
 
+/// A shell command in the folder of a test, with the program as `$RHER`.
+pub(crate) fn shell(rher: &Rher, script: &str) -> Ran {
+    let mut command = Command::new("sh");
+    command.args(["-c", script]).current_dir(rher.path(""));
+    command.env("RHER", env!("CARGO_BIN_EXE_rher")).output().unwrap().into()
+}
+
 /// How the program ended, and what it said.
 pub(crate) struct Ran {
     pub(crate) status: Option<i32>,

@@ -1,7 +1,7 @@
 //! `rher train --tensorboard`, read by `TensorBoard`'s own package.
 
 use crate::python;
-use crate::support::{Rher, TINY};
+use crate::support::{Rher, TINY, shell};
 use serde_json::Value;
 
 /// Steps and values of every tag, as `TensorBoard` reads them.
@@ -61,6 +61,26 @@ fn a_clock_that_goes_back_hides_nothing() {
     rher.ok("train --resume run --env-steps 2000 --quiet --tensorboard");
     let Some(events) = events(&rher, "run") else { return };
     assert_same(&events, &rher.metrics("run"));
+}
+
+#[test]
+fn training_continues_without_event_files_that_cannot_be_written() {
+    let rher = Rher::new();
+    std::fs::create_dir_all(rher.path("run/tensorboard")).unwrap();
+    let small = "mount -t tmpfs -o size=4k none run/tensorboard";
+    if shell(&rher, &format!("unshare -m sh -c '{small}'")).status != Some(0) {
+        python::ignored("a full disk takes the right to mount one");
+        return;
+    }
+    let train = format!("train reach --env-steps 5000 --tensorboard --out run {TINY}");
+    let ran = shell(&rher, &format!("unshare -m sh -c '{small}; exec \"$RHER\" {train}'"));
+    assert_eq!(ran.status, Some(0), "{ran}");
+    assert_eq!(
+        ran.stderr.matches("event files have stopped, training continues").count(),
+        1,
+        "{ran}"
+    );
+    assert_eq!(rher.metrics("run").last().unwrap()["env_steps"], 5000);
 }
 
 #[test]

@@ -365,7 +365,7 @@ pub(crate) fn run_settings(folder: PathBuf) -> PyResult<String> {
     let path = folder.join(CONFIG_FILE);
     let file = ConfigFile::read(&folder).map_err(|error| match error {
         ConfigFileError::File(error) => FileError::new_err(told(&error)),
-        error => SettingsError::new_err(told(&error)),
+        error @ ConfigFileError::Damaged { .. } => SettingsError::new_err(told(&error)),
     })?;
     let file = file.ok_or_else(|| {
         FileError::new_err(format!("cannot read `{}`: there is no such file", path.display()))

@@ -53,8 +53,14 @@ impl<const N: usize, E: Simulated<N>> Observer for Watch<E, N> {
                 self.check_folder()?;
                 let written = self.metrics.append(metrics);
                 written.map_err(|error| ObserverError(error.into()))?;
-                if let Some(events) = &mut self.events {
-                    events.append(metrics).map_err(|error| ObserverError(error.into()))?;
+                if let Some(events) = &mut self.events
+                    && let Err(error) = events.append(metrics)
+                {
+                    let (path, source) = (error.path.display(), &error.source);
+                    self.progress.warn(&format!(
+                        "event files have stopped, training continues: cannot write `{path}`: {source}"
+                    ));
+                    self.events = None;
                 }
                 self.progress.evaluated(metrics);
                 #[cfg(feature = "live")]

@@ -152,13 +152,20 @@ pub(super) fn write<const N: usize>(
 pub(super) fn read_state(folder: &Path) -> Result<(RunState, LearnerState), CheckpointError> {
     let folder = folder.join(CHECKPOINT_FOLDER);
     let (current, previous) = (folder.join(CURRENT), folder.join(PREVIOUS));
-    if current.exists() {
-        parse_state(&current).map_err(|error| with_last_good(error, &previous))
-    } else if previous.exists() {
-        parse_state(&previous)
-    } else {
-        Err(CheckpointError::Missing { folder })
+    // A run that is being trained may rename them between two looks.
+    match parse_state(&current) {
+        Err(error) if is_absent(&error) => match parse_state(&previous) {
+            Err(error) if is_absent(&error) => Err(CheckpointError::Missing { folder }),
+            before => before,
+        },
+        now => now.map_err(|error| with_last_good(error, &previous)),
     }
+}
+
+fn is_absent(error: &CheckpointError) -> bool {
+    use io::ErrorKind::{NotADirectory, NotFound};
+    let CheckpointError::File(FileError { source, .. }) = error else { return false };
+    matches!(source.kind(), NotFound | NotADirectory)
 }
 
 fn parse_state(path: &Path) -> Result<(RunState, LearnerState), CheckpointError> {
