@@ -228,3 +228,19 @@ fn a_flipped_bit_of_any_byte_of_a_checkpoint_is_noticed() {
     }
     assert!(Trainer::resume(folder.path(), envs(1), 1).is_ok());
 }
+
+#[test]
+fn episodes_of_another_run_are_refused() {
+    let folders = [1, 2].map(|seed| {
+        let folder = tempfile::tempdir().unwrap();
+        let config = TrainConfig { seed, ..config() };
+        let mut trainer = Trainer::new(config, envs(1), 1).unwrap();
+        run_until(folder.path(), &mut trainer, 12);
+        folder
+    });
+    let [one, other] =
+        folders.each_ref().map(|folder| folder.path().join("checkpoint/replay-000000.episodes"));
+    fs::copy(other, one).unwrap();
+    let error = Trainer::resume(folders[0].path(), envs(1), 1).err().unwrap().to_string();
+    assert!(error.contains("of another run"), "{error}");
+}

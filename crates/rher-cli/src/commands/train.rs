@@ -222,7 +222,7 @@ fn run<const N: usize, E: Simulated<N>>(
             error.source
         )),
     }
-    printer.note(summary(finish, trainer.progress(), watch.last.as_ref(), &watch.folder));
+    printer.note(summary(finish, &trainer, watch.last.as_ref(), &watch.folder));
     Ok(match finish {
         Finish::Solved | Finish::StepsSpent => Status::Success,
         Finish::Stopped => stop.status(),
@@ -243,16 +243,23 @@ fn already_finished(finish: Finish, folder: &RunDir, progress: Progress) -> Stri
 }
 
 /// How a run ended, where its time went, and where its policy is.
-fn summary(finish: Finish, progress: Progress, last: Option<&Metrics>, folder: &RunDir) -> String {
+fn summary<const N: usize, E: Simulated<N>>(
+    finish: Finish,
+    trainer: &Trainer<N, E>,
+    last: Option<&Metrics>,
+    folder: &RunDir,
+) -> String {
+    let episodes = trainer.config().evaluation.episodes;
     let end = match finish {
         Finish::Solved => "solved",
         Finish::StepsSpent => "all steps taken",
         Finish::Stopped => "stopped",
     };
-    let mut lines = vec![format!("{end} after {} steps", thousands(progress.env_steps))];
+    let mut lines = vec![format!("{end} after {} steps", thousands(trainer.progress().env_steps))];
     if let Some(Metrics { success_final, final_distance, wall_s, time, .. }) = last {
         lines.push(format!(
-            "success {}, objects {:.1} cm from their targets at the end",
+            "success {} of {episodes} evaluation episodes, objects {:.1} cm from their targets at \
+             the end",
             percent((*success_final).into()),
             100.0 * final_distance
         ));

@@ -9,9 +9,11 @@
 //! ```
 //!
 //! A `.ckpt` file is magic, version, length, CRC-32, and the state in postcard. A record is its
-//! episode's number, the episode as little-endian `f32`, and a CRC-32 of both. Records come first,
-//! so a state never counts an episode that is not there.
+//! episode's number, the episode as little-endian `f32`, and a CRC-32 of the run's identity and of
+//! both (earlier versions left the identity out). Records come first, so a state never counts an
+//! episode that is not there.
 
+use super::identity::run_id;
 use super::state::RunState;
 use crate::config::TrainConfig;
 use crate::env::EnvSpec;
@@ -19,7 +21,7 @@ use crate::episode::Episode;
 use crate::files::{self, FileError};
 use crate::goal::{Achieved, Desired, Position, Scene};
 use crate::learner::state::{LearnerState, Trained};
-use crate::policy::Critic;
+use crate::policy::{Critic, RunId};
 use crate::replay::Replay;
 use std::fs::{File, OpenOptions};
 use std::io::{self, Read as _, Seek as _, SeekFrom, Write as _};
@@ -122,7 +124,8 @@ pub(super) fn write<const N: usize>(
         }
         _ => {}
     }
-    append_episodes(&folder, replay, saved_episodes)?;
+    let run = run_id(&state.config, &state.info.variant);
+    append_episodes(&folder, run, replay, saved_episodes)?;
 
     let current = folder.join(CURRENT);
     let payload = postcard::to_stdvec(&(state, learner))
@@ -236,6 +239,7 @@ pub(super) fn read_replay<const N: usize>(
     if expected != found {
         return Err(CheckpointError::Mismatch { expected, found });
     }
+    let run = run_id(&state.config, &state.info.variant);
     let folder = folder.join(CHECKPOINT_FOLDER);
     let layout =
         Layout { observation: spec.obs_dim, action: spec.action_dim, steps: spec.episode_steps };
@@ -254,7 +258,9 @@ pub(super) fn read_replay<const N: usize>(
         file.seek(SeekFrom::Start((index % EPISODES_PER_FILE) * record.len() as u64))
             .and_then(|_| file.read_exact(&mut record))
             .map_err(|error| damaged_episode(&path, index, &error.to_string()))?;
-        layout.decode(index, &record).map_err(|problem| damaged_episode(&path, index, &problem))
+        layout
+            .decode(run, index, &record)
+            .map_err(|problem| damaged_episode(&path, index, &problem))
     })
 }
 
@@ -269,6 +275,7 @@ fn damaged_episode(path: &Path, index: u64, problem: &str) -> CheckpointError {
 
 fn append_episodes<const N: usize>(
     folder: &Path,
+    run: RunId,
     replay: &Replay<N>,
     saved_episodes: u64,
 ) -> Result<(), CheckpointError> {
@@ -286,7 +293,7 @@ fn append_episodes<const N: usize>(
             open = Some((part, path.clone(), file.map_err(FileError::write(&path))?));
         }
         if let Some((_, path, file)) = &mut open {
-            encode(index, &episode, &mut record);
+            encode(run, index, &episode, &mut record);
             file.seek(SeekFrom::Start((index % EPISODES_PER_FILE) * record.len() as u64))
                 .and_then(|_| file.write_all(&record))
                 .map_err(FileError::write(path))?;
@@ -333,11 +340,17 @@ impl Layout {
         8 + 4 * (3 * N + frames + self.steps * self.action) + 4
     }
 
-    fn decode<const N: usize>(&self, index: u64, record: &[u8]) -> Result<Episode<N>, String> {
-        let (body, checksum) = record.split_at(record.len() - 4);
-        let computed = crc32fast::hash(body);
-        if checksum != computed.to_le_bytes() {
-            return Err(format!("checksum {computed:08x} does not fit"));
+    fn decode<const N: usize>(
+        &self,
+        run: RunId,
+        index: u64,
+        record: &[u8],
+    ) -> Result<Episode<N>, String> {
+        let (body, expected) = record.split_at(record.len() - 4);
+        let without_identity = crc32fast::hash(body);
+        let computed = [checksum(run, body), without_identity];
+        if computed.iter().all(|sum| expected != sum.to_le_bytes()) {
+            return Err("checksum does not fit: it is damaged, or of another run".to_owned());
         }
         let (number, floats) = body.split_at(8);
         if number != index.to_le_bytes() {
@@ -356,7 +369,15 @@ impl Layout {
     }
 }
 
-fn encode<const N: usize>(index: u64, episode: &Episode<N>, record: &mut Vec<u8>) {
+/// The checksum of an episode's record in the files of `run`.
+fn checksum(run: RunId, body: &[u8]) -> u32 {
+    let mut hasher = crc32fast::Hasher::new();
+    hasher.update(&run.0.to_le_bytes());
+    hasher.update(body);
+    hasher.finalize()
+}
+
+fn encode<const N: usize>(run: RunId, index: u64, episode: &Episode<N>, record: &mut Vec<u8>) {
     let Episode { desired, observations, achieved, actions } = episode;
     record.clear();
     record.extend(index.to_le_bytes());
@@ -368,5 +389,5 @@ fn encode<const N: usize>(index: u64, episode: &Episode<N>, record: &mut Vec<u8>
         .flat_map(|position| <[f32; 3]>::from(position.coords))
         .chain(observations.iter().chain(actions).copied());
     record.extend(floats.flat_map(f32::to_le_bytes));
-    record.extend(crc32fast::hash(record).to_le_bytes());
+    record.extend(checksum(run, record).to_le_bytes());
 }
