@@ -1,6 +1,6 @@
 //! Datasets, judged by the readers of the packages whose format they have.
 
-use crate::python::{self, python};
+use crate::python::{self, python, python_3_12};
 use crate::support::{Rher, TINY};
 use serde_json::{Value, json};
 use std::path::Path;
@@ -138,8 +138,18 @@ fn reaching_is_about_the_gripper() {
 }
 
 #[test]
-fn lerobot_reads_its_datasets() {
+fn lerobot_0_4_reads_its_datasets() {
     let Some(python) = python() else { return };
+    lerobot_reads_a_dataset(python);
+}
+
+#[test]
+fn lerobot_0_6_reads_its_datasets() {
+    let Some(python) = python_3_12() else { return };
+    lerobot_reads_a_dataset(&python);
+}
+
+fn lerobot_reads_a_dataset(python: &Path) {
     let rher = recorded("push");
     rher.ok("export out.mcap --format lerobot --out dataset");
     let dataset = parse(&python::run(python, "lerobot_dataset.py", &[&rher.path("dataset")]));
@@ -153,7 +163,7 @@ fn lerobot_reads_its_datasets() {
             "frame_index": [], "episode_index": [], "index": [], "task_index": [],
         })
     );
-    assert_eq!(dataset["batch"], json!([8, 25]));
+    assert_eq!(dataset["batch"], json!({ "observation.state": [8, 25], "next.reward": [8] }));
     assert_eq!(dataset["second"], json!([1, 50, 1]));
     assert_eq!(dataset["window"], json!([3, 4]));
     assert_eq!(dataset["done"], json!([false, false, true]));

@@ -20,7 +20,9 @@ print(
             "fps": dataset.fps,
             "task": item["task"],
             "shapes": {name: list(value.shape) for name, value in item.items() if name != "task"},
-            "batch": list(batch["observation.state"].shape),
+            "batch": {
+                name: list(batch[name].shape) for name in ["observation.state", "next.reward"]
+            },
             "second": [second.num_episodes, second.num_frames, int(second[0]["episode_index"])],
             "window": list(window[0]["action"].shape),
             "stats": sorted(dataset.meta.stats["action"]),
