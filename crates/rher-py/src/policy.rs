@@ -177,8 +177,8 @@ struct Given {
 impl Policy {
     /// The actions of the last sub-task, row by row.
     fn act<const N: usize>(&self, given: &Given) -> PyResult<Vec<f32>> {
-        let PolicyInfo { obs_dim, action_dim, .. } = *self.policy.info();
-        let spec = EnvSpec::<N>::new("", obs_dim, action_dim, 1);
+        let PolicyInfo { obs_dim, action_dim, subtasks, .. } = *self.policy.info();
+        let spec = EnvSpec::<N> { subtasks, ..EnvSpec::new("", obs_dim, action_dim, 1) };
         let unfit = |error| PolicyError::new_err(told(&error));
         let mut actor = self.policy.actor(&spec).map_err(unfit)?;
         let stage = actor.task();
