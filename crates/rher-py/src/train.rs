@@ -287,7 +287,10 @@ impl Session {
             if let Event::Evaluated(line) = event {
                 metrics.append(line).map_err(|error| ObserverError(error.into()))?;
             }
-            tell(event);
+            // Python hears of what is saved, not of what is about to be.
+            if !matches!(event, Event::Saving) {
+                tell(event);
+            }
             Ok(())
         };
         let error = match trainer.run(folder.path(), &mut observer, stop) {
