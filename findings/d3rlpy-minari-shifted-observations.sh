@@ -19,7 +19,7 @@ python3 -m venv "$folder/venv"
 pip=("$folder/venv/bin/pip" install --quiet --disable-pip-version-check)
 "${pip[@]}" 'minari[arrow]==0.5.4' gymnasium==1.4.0 numpy==2.4.6 pillow==12.0.0 pyarrow==26.0.1 \
   torch==2.15.0 h5py==3.16.0 gym==0.26.2 click==8.5.1 colorama==0.4.6 dataclasses-json==0.6.7 \
-  scikit-learn==1.9.1 structlog==26.1.0
+  scikit-learn==1.9.1 structlog==26.1.0 tqdm==4.70.1
 # It asks for Gymnasium 1.0.0.
 "${pip[@]}" --no-deps d3rlpy==2.8.1
 export MINARI_DATASETS_PATH="$folder/datasets"
