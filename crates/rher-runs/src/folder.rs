@@ -45,7 +45,7 @@ impl RunDir {
         std::fs::create_dir_all(path).map_err(FileError::write(path))?;
         let folder = Self::lock(path)?;
         // Someone may have deleted the checkpoint and kept the policy.
-        if holds_checkpoint(path) || path.join(POLICY_FILE).exists() {
+        if holds_checkpoint(path)? || path.join(POLICY_FILE).exists() {
             return Err(RunDirError::Exists { path: path.to_owned() });
         }
         folder.remove_unfinished()?;
@@ -56,7 +56,7 @@ impl RunDir {
     /// Opens the folder of a run that was made before, and removes what a killed process left
     /// unfinished in it.
     pub fn open(path: &Path) -> Result<Self, RunDirError> {
-        if !holds_checkpoint(path) {
+        if !holds_checkpoint(path)? {
             return Err(RunDirError::NoRun { path: path.to_owned() });
         }
         let folder = Self::lock(path)?;
@@ -153,9 +153,14 @@ fn has_no_locks(error: &io::Error) -> bool {
         || error.raw_os_error() == Some(Errno::NOLCK.raw_os_error())
 }
 
-/// The first checkpoint is written before the first step, so without one nothing was done.
-fn holds_checkpoint(path: &Path) -> bool {
-    !matches!(checkpoint::read_config(path), Err(CheckpointError::Missing { .. }))
+/// The first checkpoint is written before the first step, so without one nothing was done. One that
+/// is damaged is there.
+fn holds_checkpoint(path: &Path) -> Result<bool, FileError> {
+    match checkpoint::read_config(path) {
+        Err(CheckpointError::Missing { .. }) => Ok(false),
+        Err(CheckpointError::File(error)) => Err(error),
+        Ok(_) | Err(_) => Ok(true),
+    }
 }
 
 /// A run folder cannot be used.
