@@ -36,7 +36,7 @@ impl RunState {
         let Self { config, info, encoder, curriculum, tally, .. } = self;
         config.validate().map_err(|error| error.to_string())?;
         let PolicyInfo { objects, subtasks, untrained, obs_dim, .. } = *info;
-        if objects == 0 || subtasks > objects.saturating_mul(2) || untrained >= subtasks {
+        if subtasks > objects.saturating_mul(2) || untrained >= subtasks {
             return Err(format!(
                 "{subtasks} sub-tasks, {untrained} of them untrained, for {objects} objects"
             ));
@@ -82,5 +82,90 @@ fn check(facts: &[(&str, usize, usize)]) -> Result<(), String> {
     match facts.iter().find(|(_, found, expected)| found != expected) {
         Some((what, found, expected)) => Err(format!("{what}: {found}, expected {expected}")),
         None => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::Preset;
+    use crate::env::Env as _;
+    use crate::seed::{Purpose, Seed};
+    use crate::testing::Carry;
+
+    fn whole() -> (RunState, LearnerState) {
+        let mut config = Preset::Fast.config("carry", 1);
+        config.agent.hidden = vec![4, 4];
+        let env = Carry::new();
+        let spec = env.spec();
+        let encoder = InputEncoder::new(&config.relay, spec);
+        let mut rng = Seed(1).stream(Purpose::Init, 0);
+        let learner = LearnerState::new(&config.agent, encoder.width(), spec.action_dim, &mut rng);
+        let info = PolicyInfo {
+            task: spec.name.clone(),
+            variant: String::new(),
+            objects: 1,
+            subtasks: 2,
+            untrained: 1,
+            obs_dim: spec.obs_dim,
+            action_dim: spec.action_dim,
+            reach_distance: config.relay.reach_distance,
+        };
+        let state = RunState {
+            env_steps: 0,
+            episodes: 0,
+            updates: 0,
+            evaluations: 0,
+            last_success: [0.0; 2],
+            curriculum: Curriculum::new(&config.exploration, 2),
+            tally: Tally::new(2, 1),
+            wall_s: 0.0,
+            seconds: Seconds::default(),
+            encoder,
+            info,
+            config,
+        };
+        (state, learner)
+    }
+
+    fn check(state: &RunState, learner: &LearnerState) -> Result<(), String> {
+        state.check().and_then(|()| state.check_learner(learner))
+    }
+
+    #[test]
+    fn parts_that_do_not_fit_each_other_are_refused() {
+        let (state, learner) = whole();
+        assert_eq!(check(&state, &learner), Ok(()));
+        let damages: &[fn(&mut RunState, &mut LearnerState)] = &[
+            |state, _| state.config.replay.batch_size = 0,
+            |state, _| state.info.objects = 2,
+            |state, _| state.info.subtasks = 1,
+            |state, _| state.info.untrained = 2,
+            |state, _| state.info.obs_dim += 1,
+            |state, _| state.info.action_dim += 1,
+            |state, _| state.curriculum = Curriculum::new(&state.config.exploration, 1),
+            |state, _| state.tally = Tally::new(1, 1),
+            |state, _| state.tally = Tally::new(2, 2),
+            |state, _| {
+                // Two sub-tasks for each object, but this many in every part.
+                state.info.subtasks = 3;
+                state.curriculum = Curriculum::new(&state.config.exploration, 3);
+                state.tally = Tally::new(3, 1);
+            },
+            |state, _| state.config.agent.hidden = vec![4],
+            |state, _| state.config.agent.critic_layer_norm = !state.config.agent.critic_layer_norm,
+            |_, learner| learner.critics.truncate(1),
+            |_, learner| learner.actor.shape.layer_norm = true,
+            |_, learner| learner.critics[0].shape.hidden[1] = 5,
+            |_, learner| learner.actor.online.truncate(1),
+            |_, learner| learner.actor.target.truncate(1),
+            |_, learner| learner.critics[1].first_moment.push(0.0),
+            |_, learner| learner.critics[1].second_moment.clear(),
+        ];
+        for (index, damage) in damages.iter().enumerate() {
+            let (mut state, mut learner) = whole();
+            damage(&mut state, &mut learner);
+            assert!(check(&state, &learner).is_err(), "damage {index}");
+        }
     }
 }
