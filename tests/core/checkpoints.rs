@@ -244,3 +244,33 @@ fn episodes_of_another_run_are_refused() {
     let error = Trainer::resume(folders[0].path(), envs(1), 1).err().unwrap().to_string();
     assert!(error.contains("of another run"), "{error}");
 }
+
+#[test]
+fn a_finished_run_writes_its_policy_again_only_where_it_is_another() {
+    use std::os::unix::fs::MetadataExt as _;
+    let folder = tempfile::tempdir().unwrap();
+    let mut config = config();
+    config.env_steps = 25;
+    let path = folder.path().join("policy.safetensors");
+    let mut silent = |_: &Event| Ok(());
+    let stop = AtomicBool::new(false);
+    let mut trainer = Trainer::new(config.clone(), envs(1), 1).unwrap();
+    trainer.run(Some(folder.path()), &mut silent, &stop).unwrap();
+    let policy = fs::read(&path).unwrap();
+    let file = || fs::metadata(&path).unwrap().ino();
+
+    let mut again = || {
+        let mut trainer = Trainer::resume(folder.path(), envs(1), 1).unwrap();
+        trainer.run(Some(folder.path()), &mut silent, &stop).unwrap();
+        assert!(fs::read(&path).unwrap() == policy);
+    };
+    let untouched = file();
+    again();
+    assert_eq!(file(), untouched);
+
+    fs::remove_file(&path).unwrap();
+    again();
+    let other = Trainer::new(TrainConfig { seed: 2, ..config }, envs(1), 1).unwrap();
+    other.policy().save(&path).unwrap();
+    again();
+}
