@@ -176,3 +176,10 @@ fn every_slot_that_is_not_blank_must_be_met() {
     within.gripper.y += 0.049;
     assert_eq!(goal.reward(&Achieved(within), &tolerances), 0.0);
 }
+
+#[test]
+fn a_goal_has_a_slot_for_the_gripper_and_for_every_object() {
+    let slots = |goal: EncodedGoal<3>| goal.slots().count();
+    let goal = EncodedGoal::new(Stage::FIRST, &Achieved(scene::<3>(0.0)), &asked::<3>());
+    assert_eq!((slots(goal), EncodedGoal::<3>::SLOTS), (4, 4));
+}
