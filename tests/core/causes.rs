@@ -294,6 +294,12 @@ impl Law<'_> {
         if self.relay.goal_frame == GoalFrame::Relative {
             input.extend(slots.iter().map(|slot| if slot.is_none() { 1.0 } else { 0.0 }));
         }
+        if self.relay.fine_scale {
+            let tolerances = order.iter().map(|it| self.tolerance(*it));
+            let tolerances: Vec<f32> =
+                std::iter::once(GRIPPER_TOLERANCE).chain(tolerances).collect();
+            input.extend(near_distances(&scene, &slots, &tolerances));
+        }
         input
     }
 
@@ -406,6 +412,31 @@ impl Law<'_> {
     }
 }
 
+/// From everything to its goal, with the length; from the gripper to the objects; from the first
+/// object to the others: in tolerances, as far as two (a length as far as three, counted from one).
+fn near_distances(scene: &Places, slots: &Slots, tolerances: &[f32]) -> Vec<f32> {
+    let near = |from: Point, to: Point, tolerance: f32| {
+        minus(to, from).map(|number| (number / tolerance).clamp(-2.0, 2.0))
+    };
+    let mut numbers = Vec::new();
+    let places = std::iter::once(scene.gripper).chain(scene.objects.clone());
+    for ((slot, place), tolerance) in slots.iter().zip(places).zip(tolerances) {
+        let Some(wanted) = *slot else {
+            numbers.extend([0.0; 4]);
+            continue;
+        };
+        numbers.extend(near(place, wanted, *tolerance));
+        numbers.push((distance(wanted, place) / tolerance).min(3.0) - 1.0);
+    }
+    for (object, tolerance) in scene.objects.iter().zip(&tolerances[1..]) {
+        numbers.extend(near(scene.gripper, *object, *tolerance));
+    }
+    for (object, tolerance) in scene.objects.iter().zip(&tolerances[1..]).skip(1) {
+        numbers.extend(near(scene.objects[0], *object, *tolerance));
+    }
+    numbers
+}
+
 /// Draws rows for every sub-task, finds the cause of each, and notes what there was.
 fn check<const N: usize>(relay: &RelayConfig, seed: u64, seen: &mut BTreeSet<String>) {
     let spec = spec::<N>();
@@ -455,13 +486,16 @@ fn every_row_has_one_cause() {
         for later_objects in [LaterObjects::Now, LaterObjects::Later] {
             for object_order in [ObjectOrder::Relay, ObjectOrder::Turn] {
                 for method in [Method::Rher, Method::Her] {
-                    for tolerance in [1.0, 0.6] {
+                    for (tolerance, fine_scale) in
+                        [(1.0, false), (0.6, false), (1.0, true), (0.6, true)]
+                    {
                         let relay = RelayConfig {
                             method,
                             tolerance,
                             hindsight: 0.6,
                             later_objects,
                             goal_frame,
+                            fine_scale,
                             object_order,
                             mirror: 0.5,
                             exchange: 0.6,

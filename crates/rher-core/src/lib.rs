@@ -215,6 +215,7 @@ pub mod replay;
 #[doc(hidden)]
 pub mod seed;
 mod setting;
+mod since_6;
 mod symmetry;
 pub mod testing;
 #[cfg(feature = "train")]

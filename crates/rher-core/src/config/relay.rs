@@ -77,6 +77,13 @@ settings! {
             paper: GoalFrame::Absolute,
             fast: GoalFrame::Relative,
         }
+        /// Whether the networks also see distances on a finer scale: in units of the tolerance,
+        /// clipped to what is near, from objects and gripper to their goals, from the gripper to
+        /// the objects, and between objects. Not in the paper.
+        #[serde(default, with = "crate::since_6")]
+        pub fine_scale: bool {
+            paper: false,
+        }
         /// Order in which the networks see interchangeable objects. Not in the paper.
         #[serde(default = "relay_order")]
         pub object_order: ObjectOrder {

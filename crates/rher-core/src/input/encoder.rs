@@ -1,5 +1,6 @@
 //! What the networks see: the normalized observation and the normalized goal, side by side.
 
+use super::fine_scale::FineScale;
 use super::normalize::{CLIP, Normalizer};
 use super::turns::{self, Turns};
 use crate::config::{GoalFrame, ObjectOrder, RelayConfig};
@@ -16,8 +17,9 @@ use std::iter;
 /// # Shapes
 ///
 /// `[observation ‖ 3 (N + 1)]` with absolute goals, `[observation ‖ 3 (N + 1) ‖ N + 1]` with
-/// relative ones, whose blanks are told by a flag for each slot. With [`ObjectOrder::Turn`] the
-/// objects come in the order of their turns, in the observation and in the goal.
+/// relative ones, whose blanks are told by a flag for each slot. With
+/// [`fine_scale`](RelayConfig::fine_scale) the near distances come after these. With
+/// [`ObjectOrder::Turn`] the objects come in the order of their turns, in all of it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct InputEncoder {
     frame: GoalFrame,
@@ -25,28 +27,37 @@ pub struct InputEncoder {
     slots: Vec<Normalizer>,
     #[serde(default)]
     turns: Option<Turns>,
+    #[serde(default, with = "crate::since_6")]
+    fine_scale: Option<FineScale>,
 }
 
 impl InputEncoder {
     /// An encoder without statistics, for environments like `spec`.
     pub fn new<const N: usize>(config: &RelayConfig, spec: &EnvSpec<N>) -> Self {
-        let turns = (config.object_order == ObjectOrder::Turn)
-            .then(|| Turns::new(spec, &config.tolerances(spec)));
+        let tolerances = config.tolerances(spec);
+        let turns =
+            (config.object_order == ObjectOrder::Turn).then(|| Turns::new(spec, &tolerances));
         Self {
             frame: config.goal_frame,
             observation: Normalizer::new(spec.obs_dim),
             slots: vec![Normalizer::new(3); N + 1],
             turns: turns.flatten(),
+            fine_scale: config.fine_scale.then(|| FineScale::new(&tolerances)),
         }
     }
 
     /// Numbers in a row.
     pub fn width(&self) -> usize {
-        let flags = match self.frame {
+        let fine_scale = self.fine_scale.as_ref().map_or(0, FineScale::width);
+        self.observation.width() + 3 * self.slots.len() + self.flags() + fine_scale
+    }
+
+    /// Slots whose blanks are told by a flag.
+    fn flags(&self) -> usize {
+        match self.frame {
             GoalFrame::Absolute => 0,
             GoalFrame::Relative => self.slots.len(),
-        };
-        self.observation.width() + 3 * self.slots.len() + flags
+        }
     }
 
     /// Numbers in a raw observation.
@@ -68,12 +79,13 @@ impl InputEncoder {
         if !self.slots.iter().all(|slot| slot.is_consistent(3)) {
             return wrong("its goals");
         }
-        let fits = |turns: &Turns| turns.fits(self.observation(), self.objects());
-        if self.turns.as_ref().is_none_or(fits) {
-            Ok(())
-        } else {
-            Err("the order of its objects does not fit its observation".to_owned())
+        if !self.turns.as_ref().is_none_or(|it| it.fits(self.observation(), self.objects())) {
+            return Err("the order of its objects does not fit its observation".to_owned());
         }
+        if !self.fine_scale.as_ref().is_none_or(|it| it.fits(self.objects())) {
+            return Err("the tolerances of its fine scale do not fit its goals".to_owned());
+        }
+        Ok(())
     }
 
     /// How goals are encoded.
@@ -134,13 +146,17 @@ impl InputEncoder {
                 first
             }
         };
-        let (positions, flags) = tail.split_at_mut(3 * self.slots.len());
+        let (positions, tail) = tail.split_at_mut(3 * self.slots.len());
+        let (flags, near) = tail.split_at_mut(self.flags());
         let blank = match self.frame {
             GoalFrame::Absolute => -CLIP,
             GoalFrame::Relative => 0.0,
         };
-        let in_turn =
-            turns::order::<N>(first).map(|object| (goal.objects()[object], now.0.objects[object]));
+        let order = turns::order::<N>(first);
+        if let Some(fine_scale) = &self.fine_scale {
+            fine_scale.write(now, goal, order, near);
+        }
+        let in_turn = order.map(|object| (goal.objects()[object], now.0.objects[object]));
         let slots = iter::once((goal.gripper(), now.0.gripper)).chain(in_turn);
         for (index, (slot, place)) in slots.enumerate() {
             let out = &mut positions[3 * index..3 * (index + 1)];

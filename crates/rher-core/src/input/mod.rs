@@ -1,6 +1,7 @@
-//! What the networks see: normalized observations and goals, alike objects in order of turn.
+//! What the networks see: normalized observations and goals, alike objects in order of turn, near distances on a finer scale.
 
 mod encoder;
+mod fine_scale;
 mod normalize;
 mod turns;
 

@@ -8,8 +8,8 @@
 //! checkpoint/replay-000000.episodes       episodes 0 to 999, one record each, appended
 //! ```
 //!
-//! A `.ckpt` file is magic, version, length, CRC-32, and the state in postcard. A record is its
-//! episode's number, the episode as little-endian `f32`, and a CRC-32 of the run's identity and of
+//! A `.ckpt` file is magic, version, length, CRC-32, the state in postcard, and the parts of it
+//! that have got new fields since version 5 once more in JSON. A record is its episode's number, the episode as little-endian `f32`, and a CRC-32 of the run's identity and of
 //! both (earlier versions left the identity out). Records come first, so a state never counts an
 //! episode that is not there.
 
@@ -36,7 +36,9 @@ pub const CHECKPOINT_FOLDER: &str = "checkpoint";
 const CURRENT: &str = "current.ckpt";
 const PREVIOUS: &str = "previous.ckpt";
 const MAGIC: [u8; 8] = *b"RHERCKPT";
-const VERSION: u32 = 5;
+const VERSION: u32 = 6;
+/// The last version without JSON, which is still read.
+const WITHOUT_JSON: u32 = 5;
 const HEADER: usize = MAGIC.len() + 4 + 8 + 4;
 const EPISODES_PER_FILE: u64 = 1000;
 
@@ -128,8 +130,11 @@ pub(super) fn write<const N: usize>(
     append_episodes(&folder, run, replay, saved_episodes)?;
 
     let current = folder.join(CURRENT);
-    let payload = postcard::to_stdvec(&(state, learner))
-        .map_err(|error| FileError::write(&current)(io::Error::other(error)))?;
+    let unwritten = |error| FileError::write(&current)(error);
+    let mut payload = postcard::to_stdvec(&(state, learner))
+        .map_err(|error| unwritten(io::Error::other(error)))?;
+    serde_json::to_writer(&mut payload, &(&state.config, &state.encoder))
+        .map_err(|error| unwritten(error.into()))?;
     let mut bytes = Vec::with_capacity(HEADER + payload.len());
     bytes.extend(MAGIC);
     bytes.extend(VERSION.to_le_bytes());
@@ -188,7 +193,7 @@ fn parse_state(path: &Path) -> Result<(RunState, LearnerState), CheckpointError>
     }
     let (found, checksum) = (word(8), word(20));
     let length = u64::from(word(12)) | u64::from(word(16)) << 32;
-    if found != VERSION {
+    if ![WITHOUT_JSON, VERSION].contains(&found) {
         return Err(CheckpointError::Version { path: path.into(), found, expected: VERSION });
     }
     if payload.len() as u64 != length {
@@ -200,8 +205,12 @@ fn parse_state(path: &Path) -> Result<(RunState, LearnerState), CheckpointError>
         let problem = format!("checksum {computed:08x}, expected {checksum:08x}");
         return Err(damaged(problem));
     }
-    let (state, learner): (RunState, LearnerState) =
-        postcard::from_bytes(payload).map_err(|error| damaged(error.to_string()))?;
+    let ((mut state, learner), json): ((RunState, LearnerState), &[u8]) =
+        postcard::take_from_bytes(payload).map_err(|error| damaged(error.to_string()))?;
+    if found != WITHOUT_JSON {
+        (state.config, state.encoder) =
+            serde_json::from_slice(json).map_err(|error| damaged(error.to_string()))?;
+    }
     state.check().and_then(|()| state.check_learner(&learner)).map_err(damaged)?;
     Ok((state, learner))
 }

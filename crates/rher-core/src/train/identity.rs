@@ -22,11 +22,18 @@ pub fn run_id(config: &TrainConfig, variant: &str) -> RunId {
     RunId(u128::from_be_bytes(*first))
 }
 
+/// Settings that came after the identity did, with the value of every run from before: as if they
+/// were not there, so that such a run keeps its identity.
+const LATER: [(&str, &str); 1] = [("relay.fine_scale", "false")];
+
 struct Lines(Sha256);
 
 impl Lines {
     fn add(&mut self, key: &str, value: &impl serde::Serialize) {
         let value = serde_json::to_string(value).expect("a setting can be written as JSON");
+        if LATER.contains(&(key, &*value)) {
+            return;
+        }
         self.0.update(format!("{key}={value}\n"));
     }
 }

@@ -1,0 +1,85 @@
+//! Distances on a second, finer scale, beside those in units of their standard deviation.
+
+use crate::goal::{Achieved, EncodedGoal, Tolerances};
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+use std::iter;
+
+/// Differences are clipped to ± this many tolerances.
+const NEAR: f32 = 2.0;
+
+/// Distances are clipped to this many tolerances.
+const FAR: f32 = 3.0;
+
+/// What networks see of a scene in units of the tolerance, clipped to what is near.
+///
+/// A standard deviation is about a decimeter, so that a hand behind a block and one beside it are
+/// nearly the same input, and so are a block within the tolerance of its target and one that is
+/// not. On this scale they differ by all that there is.
+///
+/// # Shape
+///
+/// `[4 (N + 1) + 3 N + 3 (N − 1)]`: for each slot of the goal, the gripper's first, the difference
+/// to the goal (3) and its length beyond the tolerance (1), all 0 in a blank; for each object its
+/// difference to the gripper (3); for each object but the first its difference to the first (3).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct FineScale {
+    /// In meters, by slot.
+    tolerances: Vec<f32>,
+}
+
+impl FineScale {
+    /// For goals with these tolerances.
+    pub(super) fn new<const N: usize>(tolerances: &Tolerances<N>) -> Self {
+        // A tolerance of 0 is allowed, and is no unit of length.
+        Self { tolerances: tolerances.by_slot().map(|it| it.max(0.001)).collect() }
+    }
+
+    /// Whether it fits goals with so many objects; that of a damaged file may not.
+    pub(super) fn fits(&self, objects: usize) -> bool {
+        let is_unit = |tolerance: &f32| tolerance.is_finite() && *tolerance > 0.0;
+        self.tolerances.len() == objects + 1 && self.tolerances.iter().all(is_unit)
+    }
+
+    /// Numbers that it writes.
+    pub(super) fn width(&self) -> usize {
+        let slots = self.tolerances.len();
+        (4 * slots + 6 * (slots - 1)).saturating_sub(3)
+    }
+
+    /// Writes what it sees of `goal` at a step where the scene is `now`, the objects in `order`.
+    pub(super) fn write<const N: usize>(
+        &self,
+        now: &Achieved<N>,
+        goal: &EncodedGoal<N>,
+        order: [usize; N],
+        out: &mut [f32],
+    ) {
+        let (slots, positions) = out.split_at_mut(4 * self.tolerances.len());
+        let of_gripper = (goal.gripper(), now.0.gripper, self.tolerances[0]);
+        let objects = order.map(|object| (now.0.objects[object], self.tolerances[object + 1]));
+        let of_objects = iter::zip(order, objects)
+            .map(|(object, (place, tolerance))| (goal.objects()[object], place, tolerance));
+        for (out, (slot, place, tolerance)) in
+            slots.chunks_exact_mut(4).zip(iter::once(of_gripper).chain(of_objects))
+        {
+            let Some(wanted) = slot else {
+                out.fill(0.0);
+                continue;
+            };
+            let difference = (wanted - place) / tolerance;
+            out[..3].copy_from_slice(near(difference).as_slice());
+            out[3] = difference.norm().min(FAR) - 1.0;
+        }
+        let from_gripper = objects.iter().map(|(place, unit)| (place - now.0.gripper) / *unit);
+        let (first, _) = objects[0];
+        let from_first = objects[1..].iter().map(|(place, unit)| (place - first) / *unit);
+        for (out, difference) in positions.chunks_exact_mut(3).zip(from_gripper.chain(from_first)) {
+            out.copy_from_slice(near(difference).as_slice());
+        }
+    }
+}
+
+fn near(difference: Vector3<f32>) -> Vector3<f32> {
+    difference.map(|number| number.clamp(-NEAR, NEAR))
+}
