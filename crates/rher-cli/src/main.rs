@@ -6,6 +6,7 @@ mod commands;
 mod errors;
 mod exit_code;
 mod film;
+mod flops;
 mod host;
 mod jobs;
 mod numbers;

@@ -3,6 +3,7 @@
 use crate::cli::{SettingsArgs, TrainArgs};
 use crate::errors::ForeignTask;
 use crate::exit_code::Status;
+use crate::flops;
 use crate::host::{Stop, end_with_parent, threads};
 use crate::numbers::{duration, percent, thousands};
 use crate::observe::{EventFile, ProgressView, Recorder, Watch};
@@ -265,6 +266,12 @@ fn summary<const N: usize, E: Simulated<N>>(
         ));
         lines.push(format!("time    {}: {}", duration(*wall_s), shares(time)));
     }
+    let Progress { updates, .. } = trainer.progress();
+    lines.push(format!(
+        "updates {}: {:.1} TFLOP in matrix products",
+        thousands(updates),
+        flops::of_run(trainer.config(), trainer.spec(), updates) / 1e12
+    ));
     lines.push(format!("policy  {}", folder.policy().display()));
     if finish == Finish::Stopped {
         let path = folder.path().display();

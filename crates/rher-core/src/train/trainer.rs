@@ -12,7 +12,7 @@ use crate::batch::Batch;
 use crate::config::{
     AgentConfig, BatchMode, EngineKind, Method, ReplayConfig, TargetEvery, TrainConfig,
 };
-use crate::env::Env;
+use crate::env::{Env, EnvSpec};
 use crate::episode::Episode;
 use crate::evaluate::{Evaluation, evaluate};
 use crate::event::{Event, Observer, Progress, Seconds};
@@ -224,6 +224,11 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
     /// Changes the success rate that ends the run.
     pub fn set_until(&mut self, until: f32) {
         self.state.config.until = until;
+    }
+
+    /// Widths and limits of its environments.
+    pub fn spec(&self) -> &EnvSpec<N> {
+        self.envs[0].spec()
     }
 
     /// Identity of the run, which is in every file of it.

@@ -1,7 +1,7 @@
 //! `rher bench update`: milliseconds per update of the networks, beside what the machine could do.
 
-use super::flops::flops;
 use crate::cli::BenchUpdateArgs;
+use crate::flops;
 use crate::numbers::percent;
 use crate::printer::Printer;
 use crate::tables::{table, text};
@@ -158,7 +158,7 @@ fn measure(
         ms_per_update: 1e3 * median,
         mean_ms_per_update: 1e3 * mean,
         cpu_ms_per_update: 1e3 * cpu,
-        gflops: flops(&config, batch, inputs, ACTION) / median / 1e9,
+        gflops: flops::of_update(&config, batch, inputs, ACTION) / median / 1e9,
         peak_gflops: peak.map(|peak| peak / 1e9),
     })
 }

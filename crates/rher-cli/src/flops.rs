@@ -1,6 +1,8 @@
-//! How much arithmetic an update is.
+//! How much arithmetic updates are.
 
-use rher_core::config::AgentConfig;
+use rher_core::EnvSpec;
+use rher_core::config::{AgentConfig, BatchMode, Method, TrainConfig};
+use rher_core::input::InputEncoder;
 
 /// Floating-point operations in the matrix products of one update, as a mean over the policy delay.
 ///
@@ -12,7 +14,12 @@ use rher_core::config::AgentConfig;
 /// critics   (2 C  +  2 C + 2 (C − C₀)) · critics
 /// actor     (2 A + 2 C  +  2 (C − C₀ + Cₐ)  +  2 A + 2 (A − A₀)) / policy_delay
 /// ```
-pub(super) fn flops(config: &AgentConfig, rows: usize, input_dim: usize, action_dim: usize) -> f64 {
+pub(crate) fn of_update(
+    config: &AgentConfig,
+    rows: usize,
+    input_dim: usize,
+    action_dim: usize,
+) -> f64 {
     let weights = |inputs: usize, outputs: usize| {
         let widths = [&[inputs], &*config.hidden, &[outputs]].concat();
         let layers = widths.windows(2).map(|pair| (pair[0] * pair[1]) as f64);
@@ -30,6 +37,18 @@ pub(super) fn flops(config: &AgentConfig, rows: usize, input_dim: usize, action_
     rows as f64 * (targets_update + critics_update + actor_update / config.policy_delay as f64)
 }
 
+/// The same for all `updates` of a run in environments like `spec`; without imitation, which is up
+/// to a tenth more where there is any.
+pub(crate) fn of_run<const N: usize>(config: &TrainConfig, spec: &EnvSpec<N>, updates: u64) -> f64 {
+    let subtasks = match (config.replay.batch_mode, config.relay.method) {
+        (BatchMode::Joint, Method::Rher) => spec.subtasks,
+        (BatchMode::Separate, _) | (_, Method::Her) => 1,
+    };
+    let rows = subtasks * config.replay.batch_size;
+    let input = InputEncoder::new(&config.relay, spec).width();
+    updates as f64 * of_update(&config.agent, rows, input, spec.action_dim)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -37,6 +56,6 @@ mod tests {
     #[test]
     fn an_update_with_the_paper_s_networks_is_three_megaflops_a_row() {
         let config = AgentConfig { hidden: vec![256; 3], ..AgentConfig::td3() };
-        assert_eq!(flops(&config, 1, 31, 4).round() as u64, 3_173_632);
+        assert_eq!(of_update(&config, 1, 31, 4).round() as u64, 3_173_632);
     }
 }
