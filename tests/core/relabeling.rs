@@ -3,6 +3,7 @@
 use proptest::prelude::*;
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
+use rher_core::Names;
 use rher_core::batch::Batch;
 use rher_core::config::{GoalFrame, ObjectOrder, Preset, RelayConfig};
 use rher_core::env::{EnvSpec, Mirror, Permutation, SignedIndex};
@@ -27,6 +28,7 @@ fn spec(mirrors: Vec<Mirror>, permutations: Vec<Permutation<2>>) -> EnvSpec<2> {
         tolerances: Tolerances::uniform(0.05),
         mirrors,
         permutations,
+        names: Names::default(),
     }
 }
 

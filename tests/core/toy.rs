@@ -4,6 +4,7 @@
 
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
+use rher_core::Names;
 use rher_core::config::{Preset, TrainConfig};
 use rher_core::env::{Env, EnvError, EnvSpec, Start};
 use rher_core::event::{Event, Metrics, Observer, ObserverError};
@@ -36,6 +37,7 @@ impl<const N: usize> Magnet<N> {
                 tolerances: Tolerances::uniform(0.07),
                 mirrors: Vec::new(),
                 permutations: Vec::new(),
+                names: Names::default(),
             },
             scene: Scene { gripper: origin, objects: [origin; N] },
             desired: [origin; N],

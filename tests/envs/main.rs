@@ -13,6 +13,7 @@ mod exchange;
 mod hashes;
 mod insert;
 mod mirror;
+mod names;
 mod obstacle_push;
 mod options;
 mod physics;

@@ -1,5 +1,6 @@
 //! A world of one action, in which the right value of every state is known.
 
+use rher_core::Names;
 use rher_core::env::{Env, EnvError, EnvSpec, Start};
 use rher_core::goal::{Achieved, Desired, Position, Scene, Tolerances};
 
@@ -28,6 +29,7 @@ impl Probe {
                 tolerances: Tolerances::uniform(0.05),
                 mirrors: Vec::new(),
                 permutations: Vec::new(),
+                names: Names::default(),
             },
             target,
         }

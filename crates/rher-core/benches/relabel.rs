@@ -3,6 +3,7 @@
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
+use rher_core::Names;
 use rher_core::batch::Batch;
 use rher_core::config::Preset;
 use rher_core::env::{EnvSpec, Mirror, SignedIndex};
@@ -35,6 +36,7 @@ fn spec() -> EnvSpec<1> {
             action: (0..ACTION).map(same).collect(),
         }],
         permutations: Vec::new(),
+        names: Names::default(),
     }
 }
 

@@ -1,6 +1,7 @@
 //! What the method needs to know about an environment.
 
 use crate::goal::{Achieved, Desired, Stage, Tolerances};
+use crate::names::Names;
 
 pub use crate::symmetry::{Mirror, Permutation, SignedIndex};
 
@@ -40,10 +41,13 @@ pub struct EnvSpec<const N: usize> {
     pub mirrors: Vec<Mirror>,
     /// Other orders of objects that are alike; empty where every object is of its own kind.
     pub permutations: Vec<Permutation<N>>,
+    /// What the numbers are, for a run that starts from one of another task; empty where nobody
+    /// knows.
+    pub names: Names,
 }
 
 impl<const N: usize> EnvSpec<N> {
-    /// Every one of the 2 N sub-tasks, tolerances of 5 cm, no symmetry.
+    /// Every one of the 2 N sub-tasks, tolerances of 5 cm, no symmetry, no names.
     pub fn new(name: &str, obs_dim: usize, action_dim: usize, episode_steps: usize) -> Self {
         Self {
             name: name.to_owned(),
@@ -55,6 +59,7 @@ impl<const N: usize> EnvSpec<N> {
             tolerances: Tolerances::uniform(0.05),
             mirrors: Vec::new(),
             permutations: Vec::new(),
+            names: Names::default(),
         }
     }
 
@@ -101,6 +106,9 @@ impl<const N: usize> EnvSpec<N> {
                     "a number of meters, at least 0".into(),
                 );
             }
+        }
+        if let Err((field, found, expected)) = self.names.check(N, self.obs_dim, self.action_dim) {
+            return wrong(field.to_owned(), found, expected);
         }
         for (index, mirror) in self.mirrors.iter().enumerate() {
             if let Err(problem) = mirror.check(self.obs_dim, self.action_dim) {

@@ -207,6 +207,7 @@ pub mod goal;
 pub mod input;
 #[doc(hidden)]
 pub mod learner;
+mod names;
 pub mod policy;
 #[doc(hidden)]
 pub mod relabel;
@@ -228,6 +229,7 @@ pub use episode::{ActError, Episode, RolloutError, View, rollout};
 pub use evaluate::{Evaluation, evaluate};
 pub use event::{Event, Metrics, Observer, ObserverError};
 pub use goal::{Achieved, Desired, EncodedGoal, Leg, Position, Scene, Stage, Tolerances};
+pub use names::Names;
 pub use policy::{Actor, Mismatch, Policy, PolicyError, PolicyInfo, RunId};
 #[cfg(feature = "train")]
 pub use train::{Finish, TrainError, Trainer, run_id};

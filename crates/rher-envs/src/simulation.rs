@@ -1,11 +1,12 @@
 //! From a [`Scenario`] to an environment.
 
-use crate::observation::{Numbers, Owners, Places, Positions, Reflections, Sink};
+use crate::observation::{Labels, Numbers, Owners, Places, Positions, Reflections, Sink};
 use crate::options::{OptionError, Options, Randomize, TaskOption, TaskOptions};
-use crate::sim::{self, World};
+use crate::sim::{self, Fingers, World};
 use crate::thing::Thing;
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
+use rher_core::Names;
 use rher_core::env::{Env, EnvError, EnvSpec, Mirror, SignedIndex, Start};
 use rher_core::goal::{Achieved, Desired, Position, Scene, Tolerances};
 use std::iter;
@@ -22,6 +23,9 @@ pub(crate) const MIDDLE: f32 = 0.7491;
 pub trait Scenario<const N: usize>: Sized + Send + 'static {
     /// Name of the task.
     const NAME: &'static str;
+
+    /// What kind of thing each object is, in relay order.
+    const OBJECTS: [&'static str; N] = ["block"; N];
 
     /// Numbers in an action: the first of those of a hand with fingers, the others being 0.
     const ACTION_WIDTH: usize = ACTION_WIDTH;
@@ -204,6 +208,16 @@ impl<S: Scenario<N>, const N: usize> Simulation<S, N> {
         } else {
             Vec::new()
         };
+        let objects: Vec<String> = S::OBJECTS
+            .iter()
+            .enumerate()
+            .map(|(index, kind)| format!("{kind}{}", index + 1))
+            .collect();
+        let mut labels = Labels::new(&objects);
+        scenario.observe(&layout, &world, &mut labels);
+        let observation = labels.into_names();
+        let action = action_names(world.fingers(), S::ACTION_WIDTH);
+        let names = Names { objects, observation, action };
         let spec = EnvSpec {
             name: S::NAME.to_owned(),
             variant: options.to_string(),
@@ -214,6 +228,7 @@ impl<S: Scenario<N>, const N: usize> Simulation<S, N> {
             tolerances: Tolerances { gripper: S::REACH_TOLERANCE, objects: [S::TOLERANCE; N] },
             mirrors,
             permutations,
+            names,
         };
         Self { spec, options: options.clone(), scenario, world, layout }
     }
@@ -380,6 +395,16 @@ fn check_width(what: &'static str, expected: usize, got: usize) -> Result<(), En
     } else {
         Err(EnvError::new(InputError::Width { what, expected, got }))
     }
+}
+
+fn action_names(fingers: Fingers, width: usize) -> Vec<String> {
+    let hand = match fingers {
+        Fingers::Locked => "locked_fingers",
+        Fingers::Free => "fingers",
+        Fingers::Cue => "cue",
+    };
+    let names = ["x", "y", "z", "opening"].map(|what| format!("{hand}.{what}"));
+    names.into_iter().take(width).collect()
 }
 
 fn mirrored_action(axis: usize, width: usize) -> Vec<SignedIndex> {

@@ -3,6 +3,7 @@
 use crate::options::{OptionError, Options, TaskOption};
 use crate::simulation::{Simulated, Simulation};
 use crate::tasks;
+use rher_core::Names;
 use std::fmt;
 use std::str::FromStr;
 
@@ -110,12 +111,28 @@ tasks! {
 }
 
 impl Task {
+    /// What the numbers of this task's observations and actions are, under these options.
+    pub fn names(self, options: &Options) -> Result<Names, OptionError> {
+        self.visit_with(options, NamesOf)
+    }
+
     /// The identity of this task's Gymnasium environment in the Python package.
     pub fn gymnasium_id(self) -> String {
         match self {
             Self::Pick => "rher/PickAndPlace-v0".to_owned(),
             task => format!("rher/{task:?}-v0"),
         }
+    }
+}
+
+/// Asks an environment for its names.
+struct NamesOf;
+
+impl EnvVisitor for NamesOf {
+    type Output = Names;
+
+    fn visit<const N: usize, E: Simulated<N>>(self, build: impl Fn() -> E + Sync) -> Names {
+        build().spec().names.clone()
     }
 }
 

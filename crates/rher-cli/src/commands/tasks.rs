@@ -22,6 +22,10 @@ struct TaskFacts {
     episode_steps: usize,
     /// By slot, in meters.
     tolerance: Vec<f32>,
+    /// What each object is; tasks of which one can start from a run of the other have the same.
+    object_names: Vec<String>,
+    observation_names: Vec<String>,
+    action_names: Vec<String>,
 }
 
 struct Describe;
@@ -32,6 +36,7 @@ impl EnvVisitor for Describe {
     fn visit<const N: usize, E: Simulated<N>>(self, build: impl Fn() -> E + Sync) -> TaskFacts {
         let env = build();
         let spec = env.spec();
+        let names = spec.names.clone();
         TaskFacts {
             name: spec.name.clone(),
             objects: N,
@@ -42,6 +47,9 @@ impl EnvVisitor for Describe {
             encoded_goal: 3 * EncodedGoal::<N>::SLOTS,
             episode_steps: spec.episode_steps,
             tolerance: spec.tolerances.by_slot().collect(),
+            object_names: names.objects,
+            observation_names: names.observation,
+            action_names: names.action,
         }
     }
 }

@@ -14,8 +14,9 @@ use rher_core::goal::Position;
 pub fn gripper_and_object(grip: &Grip, object: &Motion, out: &mut impl Sink) {
     out.gripper(grip.position);
     out.object(0, object.position);
-    out.vector(object.position - grip.position);
-    out.fingers(grip.opening);
+    out.about(Subject::Object(0));
+    out.vector("from_gripper", object.position - grip.position);
+    out.fingers("opening", grip.opening);
     turn_and_velocity(grip, object, out);
     grip_velocity(grip, out);
 }
@@ -26,7 +27,7 @@ pub fn gripper_and_object(grip: &Grip, object: &Motion, out: &mut impl Sink) {
 /// velocity (3), the fingers' (2), first − second object (3).
 pub(crate) fn gripper_and_two_objects(grip: &Grip, objects: &[Motion; 2], out: &mut impl Sink) {
     out.gripper(grip.position);
-    out.fingers(grip.opening);
+    out.fingers("opening", grip.opening);
     for (index, object) in objects.iter().enumerate() {
         object_from_gripper(grip, index, object, out);
     }
@@ -45,10 +46,12 @@ pub(crate) fn gripper_handle_and_block(
     out: &mut impl Sink,
 ) {
     gripper_and_object(grip, handle, out);
-    out.vector(block.position - grip.position);
+    out.about(Subject::Object(1));
+    out.vector("from_gripper", block.position - grip.position);
     turn_and_velocity(grip, block, out);
     out.object(1, block.position);
-    out.vector(block.position - handle.position);
+    out.about(Subject::Between(1, 0));
+    out.vector("from", block.position - handle.position);
 }
 
 /// Writes the 69 numbers of the authors' `FetchThreePush`.
@@ -58,7 +61,7 @@ pub(crate) fn gripper_handle_and_block(
 /// first − second, second − third, first − third object (9), and both velocities again (5).
 pub(crate) fn gripper_and_three_objects(grip: &Grip, objects: &[Motion; 3], out: &mut impl Sink) {
     out.gripper(grip.position);
-    out.fingers(grip.opening);
+    out.fingers("opening", grip.opening);
     object_from_gripper(grip, 0, &objects[0], out);
     object_from_gripper(grip, 1, &objects[1], out);
     grip_velocity(grip, out);
@@ -74,10 +77,10 @@ pub(crate) fn gripper_and_three_objects(grip: &Grip, objects: &[Motion; 3], out:
 /// Finger openings (2), object − gripper (3) and [`turn_and_velocity`] (9) of each object, the
 /// gripper's velocity (3), the fingers' (2), gripper (3), the objects (9).
 pub(crate) fn gripper_and_stack(grip: &Grip, objects: &[Motion; 3], out: &mut impl Sink) {
-    out.fingers(grip.opening);
+    out.fingers("opening", grip.opening);
     for (index, object) in objects.iter().enumerate() {
         out.about(Subject::Object(index));
-        out.vector(object.position - grip.position);
+        out.vector("from_gripper", object.position - grip.position);
         turn_and_velocity(grip, object, out);
     }
     grip_velocity(grip, out);
@@ -92,7 +95,7 @@ pub(crate) fn gripper_and_stack(grip: &Grip, objects: &[Motion; 3], out: &mut im
 /// (3), the fingers' (2).
 pub(crate) fn gripper_alone(grip: &Grip, out: &mut impl Sink) {
     out.gripper(grip.position);
-    out.fingers(grip.opening);
+    out.fingers("opening", grip.opening);
     grip_velocity(grip, out);
 }
 
@@ -100,29 +103,29 @@ pub(crate) fn gripper_alone(grip: &Grip, out: &mut impl Sink) {
 fn object_from_gripper(grip: &Grip, index: usize, object: &Motion, out: &mut impl Sink) {
     out.about(Subject::Object(index));
     out.object(index, object.position);
-    out.vector(object.position - grip.position);
+    out.vector("from_gripper", object.position - grip.position);
     turn_and_velocity(grip, object, out);
 }
 
 /// Writes 3 numbers: one object − another.
 fn difference(objects: &[Motion], one: usize, other: usize, out: &mut impl Sink) {
     out.about(Subject::Between(one, other));
-    out.vector(objects[one].position - objects[other].position);
+    out.vector("from", objects[one].position - objects[other].position);
 }
 
 /// Writes 9 numbers: the Euler angles of an object (3), its velocity relative to the gripper's (3),
 /// its angular velocity (3).
 fn turn_and_velocity(grip: &Grip, object: &Motion, out: &mut impl Sink) {
-    out.turn(euler_angles(&object.rotation));
-    out.vector((object.velocity - grip.velocity) * STEP_SECONDS);
-    out.turn(object.spin * STEP_SECONDS);
+    out.turn("rotation", euler_angles(&object.rotation));
+    out.vector("velocity", (object.velocity - grip.velocity) * STEP_SECONDS);
+    out.turn("spin", object.spin * STEP_SECONDS);
 }
 
 /// Writes 5 numbers: the gripper's velocity (3), the fingers' (2).
 fn grip_velocity(grip: &Grip, out: &mut impl Sink) {
     out.about(Subject::Gripper);
-    out.vector(grip.velocity * STEP_SECONDS);
-    out.fingers(grip.opening_velocity.map(|v| v * STEP_SECONDS));
+    out.vector("velocity", grip.velocity * STEP_SECONDS);
+    out.fingers("velocity", grip.opening_velocity.map(|v| v * STEP_SECONDS));
 }
 
 /// Writes the 13 numbers of the authors' `FetchInsert`: the fingers' tip (3), the place of the
@@ -130,9 +133,8 @@ fn grip_velocity(grip: &Grip, out: &mut impl Sink) {
 pub(crate) fn tip_and_place(tip: Position, place: Position, grip: &Grip, out: &mut impl Sink) {
     out.gripper(tip);
     out.object(0, place);
-    out.fingers(grip.opening);
-    out.vector(grip.velocity * STEP_SECONDS);
-    out.fingers(grip.opening_velocity.map(|v| v * STEP_SECONDS));
+    out.fingers("opening", grip.opening);
+    grip_velocity(grip, out);
 }
 
 /// Writes the 18 numbers of `cue-push`: the cue's tip (3), object (3), object − tip (3), what the
@@ -147,10 +149,15 @@ pub(crate) fn cue_and_object(
 ) {
     out.gripper(tip.position);
     out.object(0, object.position);
-    out.vector(object.position - tip.position);
-    out.vector(tip.velocity * STEP_SECONDS);
-    out.vector(object.velocity * STEP_SECONDS);
-    out.vector(chosen);
+    out.about(Subject::Object(0));
+    out.vector("from_gripper", object.position - tip.position);
+    out.about(Subject::Gripper);
+    out.vector("velocity", tip.velocity * STEP_SECONDS);
+    out.about(Subject::Object(0));
+    // Not relative to the gripper's, as it is elsewhere.
+    out.vector("own_velocity", object.velocity * STEP_SECONDS);
+    out.about(Subject::Gripper);
+    out.vector("last_action", chosen);
 }
 
 /// Rotations about x, y and z, each about the axes as turned by those before it, in radians: the
@@ -188,19 +195,19 @@ impl<'a> Numbers<'a> {
 }
 
 impl Sink for Numbers<'_> {
-    fn position(&mut self, position: Position) {
+    fn position(&mut self, _: &str, position: Position) {
         self.write(position.coords.as_slice());
     }
 
-    fn vector(&mut self, vector: Vector3<f32>) {
+    fn vector(&mut self, _: &str, vector: Vector3<f32>) {
         self.write(vector.as_slice());
     }
 
-    fn turn(&mut self, turn: Vector3<f32>) {
+    fn turn(&mut self, _: &str, turn: Vector3<f32>) {
         self.write(turn.as_slice());
     }
 
-    fn fingers(&mut self, fingers: [f32; 2]) {
+    fn fingers(&mut self, _: &str, fingers: [f32; 2]) {
         self.write(&fingers);
     }
 }
@@ -235,19 +242,19 @@ impl Reflections {
 }
 
 impl Sink for Reflections {
-    fn position(&mut self, _: Position) {
+    fn position(&mut self, _: &str, _: Position) {
         self.add((-1.0, 2.0 * self.plane), 1.0);
     }
 
-    fn vector(&mut self, _: Vector3<f32>) {
+    fn vector(&mut self, _: &str, _: Vector3<f32>) {
         self.add((-1.0, 0.0), 1.0);
     }
 
-    fn turn(&mut self, _: Vector3<f32>) {
+    fn turn(&mut self, _: &str, _: Vector3<f32>) {
         self.add((1.0, 0.0), -1.0);
     }
 
-    fn fingers(&mut self, _: [f32; 2]) {
+    fn fingers(&mut self, _: &str, _: [f32; 2]) {
         let first = self.images.len();
         // They open along y.
         let swapped = if self.axis == 1 { [first + 1, first] } else { [first, first + 1] };

@@ -64,7 +64,7 @@ impl Owners {
         let owner = self.owners[index];
         let place = self.owners[..index].iter().filter(|other| **other == owner).count();
         let (from, sign) = match owner {
-            Subject::Gripper => (Some(index), 1.0),
+            Subject::Gripper | Subject::Scenery(_) => (Some(index), 1.0),
             Subject::Object(object) => (self.owned(Subject::Object(order[object])).nth(place), 1.0),
             Subject::Between(one, other) => {
                 let (one, other) = (order[one], order[other]);
@@ -115,19 +115,19 @@ impl Sink for Owners {
         self.now = about;
     }
 
-    fn position(&mut self, _: Position) {
+    fn position(&mut self, _: &str, _: Position) {
         self.add(3);
     }
 
-    fn vector(&mut self, _: Vector3<f32>) {
+    fn vector(&mut self, _: &str, _: Vector3<f32>) {
         self.add(3);
     }
 
-    fn turn(&mut self, _: Vector3<f32>) {
+    fn turn(&mut self, _: &str, _: Vector3<f32>) {
         self.add(3);
     }
 
-    fn fingers(&mut self, _: [f32; 2]) {
+    fn fingers(&mut self, _: &str, _: [f32; 2]) {
         self.add(2);
     }
 }

@@ -33,27 +33,27 @@ impl<const N: usize> Positions<N> {
 impl<const N: usize> Sink for Positions<N> {
     fn gripper(&mut self, position: Position) {
         self.places.gripper.get_or_insert(self.width);
-        self.position(position);
+        self.position("position", position);
     }
 
     fn object(&mut self, index: usize, position: Position) {
         self.places.objects[index].get_or_insert(self.width);
-        self.position(position);
+        self.position("position", position);
     }
 
-    fn position(&mut self, _: Position) {
+    fn position(&mut self, _: &str, _: Position) {
         self.width += 3;
     }
 
-    fn vector(&mut self, _: Vector3<f32>) {
+    fn vector(&mut self, _: &str, _: Vector3<f32>) {
         self.width += 3;
     }
 
-    fn turn(&mut self, _: Vector3<f32>) {
+    fn turn(&mut self, _: &str, _: Vector3<f32>) {
         self.width += 3;
     }
 
-    fn fingers(&mut self, _: [f32; 2]) {
+    fn fingers(&mut self, _: &str, _: [f32; 2]) {
         self.width += 2;
     }
 }

@@ -3,43 +3,48 @@
 use nalgebra::Vector3;
 use rher_core::goal::Position;
 
-/// Which objects the next parts of an observation are about.
+/// What the next parts of an observation are about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Subject {
-    /// None, or all alike.
+    /// No object, or all of them.
     Gripper,
     /// One, by its place in relay order.
     Object(usize),
     /// First − second of two of them.
     Between(usize, usize),
+    /// Something that is no object, by its name.
+    Scenery(&'static str),
 }
 
 /// Receives an observation, part by part, in the order of its numbers.
+///
+/// Every part says what it is of the subject that it is about: `velocity`, `from_gripper`. By this
+/// name a run on one task finds it in another.
 pub trait Sink {
-    /// The parts that follow are about these objects; at the beginning they are about none.
+    /// The parts that follow are about this; at the beginning they are about the gripper.
     ///
-    /// Only tasks with objects that are alike need say it.
+    /// Tasks with objects that are alike must say it for each of their objects.
     fn about(&mut self, _: Subject) {}
 
     /// The position of the gripper, in the world frame, in meters.
     fn gripper(&mut self, position: Position) {
-        self.position(position);
+        self.position("position", position);
     }
 
     /// The position of an object, by its place in relay order, in the world frame, in meters.
     fn object(&mut self, _index: usize, position: Position) {
-        self.position(position);
+        self.position("position", position);
     }
 
     /// Any other point in the world frame, in meters.
-    fn position(&mut self, position: Position);
+    fn position(&mut self, what: &str, position: Position);
 
     /// A difference of points, or a velocity.
-    fn vector(&mut self, vector: Vector3<f32>);
+    fn vector(&mut self, what: &str, vector: Vector3<f32>);
 
     /// Angles or an angular velocity: their mirror image turns the other way.
-    fn turn(&mut self, turn: Vector3<f32>);
+    fn turn(&mut self, what: &str, turn: Vector3<f32>);
 
     /// One number for each finger.
-    fn fingers(&mut self, fingers: [f32; 2]);
+    fn fingers(&mut self, what: &str, fingers: [f32; 2]);
 }

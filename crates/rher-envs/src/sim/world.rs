@@ -56,6 +56,7 @@ pub struct World {
     pub(super) parameters: IntegrationParameters,
     pub(super) multibody_joints: MultibodyJointSet,
     pub(super) soft_bodies: SoftBodySet,
+    pub(super) fingers: Fingers,
     /// What can be seen, besides the palm above the fingers.
     pub(super) looks: Vec<Look>,
     /// What looks at hand and objects; where there is none they are seen where they are.
@@ -131,6 +132,7 @@ impl World {
             late: Late::default(),
         };
         let world = Self {
+            fingers,
             pipeline: PhysicsPipeline::new(),
             parameters: parameters(),
             multibody_joints: MultibodyJointSet::new(),
@@ -199,6 +201,11 @@ impl World {
             );
         }
         self.look();
+    }
+
+    /// What its fingers can do.
+    pub(crate) fn fingers(&self) -> Fingers {
+        self.fingers
     }
 
     /// The gripper now, as it is seen.

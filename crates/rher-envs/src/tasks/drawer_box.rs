@@ -35,6 +35,7 @@ pub struct DrawerBox {
 
 impl Scenario<2> for DrawerBox {
     const NAME: &'static str = "drawer-box";
+    const OBJECTS: [&'static str; 2] = ["handle", "block"];
     const EPISODE_STEPS: usize = 60;
 
     fn build() -> (Self, World) {

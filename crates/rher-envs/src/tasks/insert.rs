@@ -41,6 +41,7 @@ pub struct Insert {
 
 impl Scenario<1> for Insert {
     const NAME: &'static str = "insert";
+    const OBJECTS: [&'static str; 1] = ["hole"];
     const TOLERANCE: f32 = 0.01;
 
     fn build() -> (Self, World) {

@@ -1,7 +1,7 @@
 //! `ObstaclePush`: push a block to a place on the table, round an obstacle.
 
 use super::blocks::{ON_TABLE, are_clear_of, draw_places};
-use crate::observation::{Sink, gripper_and_object};
+use crate::observation::{Sink, Subject, gripper_and_object};
 use crate::options::{TaskOption, TaskOptions};
 use crate::sim::{BLOCK_EDGE, Body, Fingers, OBSTACLE_HALF, World};
 use crate::simulation::{Layout, Scenario};
@@ -69,10 +69,12 @@ impl Scenario<1> for ObstaclePush {
 
     fn observe(&self, layout: &Layout<1>, world: &World, out: &mut impl Sink) {
         gripper_and_object(&world.grip(), &world.motion(self.block), out);
+        out.about(Subject::Scenery("obstacle"));
         if self.shows_obstacle {
-            out.vector(obstacle(layout.objects[0]) - world.grip().position);
+            let from_gripper = obstacle(layout.objects[0]) - world.grip().position;
+            out.vector("from_gripper", from_gripper);
         } else {
-            out.vector(Vector3::zeros());
+            out.vector("hidden", Vector3::zeros());
         }
     }
 }

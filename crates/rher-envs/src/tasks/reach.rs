@@ -22,6 +22,7 @@ pub struct Reach;
 
 impl Scenario<1> for Reach {
     const NAME: &'static str = "reach";
+    const OBJECTS: [&'static str; 1] = ["target"];
     const FRONT_LIKE_BACK: bool = true;
     const SUBTASKS: usize = 1;
     const RECIPE: Option<&'static str> = Some(include_str!("reach.toml"));
