@@ -20,6 +20,8 @@ mod goals;
 mod memory;
 #[cfg(feature = "train")]
 mod policies;
+#[cfg(feature = "train")]
+mod pretrained;
 mod relabeling;
 mod replays;
 #[cfg(feature = "train")]

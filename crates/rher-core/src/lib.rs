@@ -232,7 +232,7 @@ pub use goal::{Achieved, Desired, EncodedGoal, Leg, Position, Scene, Stage, Tole
 pub use names::Names;
 pub use policy::{Actor, Mismatch, Policy, PolicyError, PolicyInfo, RunId};
 #[cfg(feature = "train")]
-pub use train::{Finish, TrainError, Trainer, run_id};
+pub use train::{Finish, Pretrained, TrainError, Trainer, run_id};
 
 /// The crate whose points are [`Position`]s.
 pub use nalgebra;

@@ -63,4 +63,18 @@ impl Names {
         }
         Ok(())
     }
+
+    /// These names, or numbers where nobody knows any.
+    #[cfg(feature = "train")]
+    pub(crate) fn or_numbers(&self, objects: usize, obs_dim: usize, action_dim: usize) -> Self {
+        if !self.is_empty() {
+            return self.clone();
+        }
+        let numbered = |what: &str, count| (1..=count).map(|n| format!("{what}{n}")).collect();
+        Self {
+            objects: numbered("object", objects),
+            observation: numbered("observation", obs_dim),
+            action: numbered("action", action_dim),
+        }
+    }
 }

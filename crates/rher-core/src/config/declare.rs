@@ -27,6 +27,7 @@ macro_rules! settings {
             $(unwritten {
                 $(
                     $(#[doc = $unwritten_doc:literal])*
+                    #[serde $unwritten_serde:tt]
                     pub $unwritten:ident: $unwritten_type:ty = $unwritten_value:expr,
                 )*
             })?
@@ -43,7 +44,7 @@ macro_rules! settings {
             )*)?
             $($(
                 $(#[doc = $unwritten_doc])*
-                #[serde(skip)]
+                #[serde $unwritten_serde]
                 pub $unwritten: $unwritten_type,
             )*)?
         }

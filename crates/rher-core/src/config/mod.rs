@@ -11,6 +11,7 @@ mod exploration;
 mod preset;
 mod relay;
 mod replay;
+mod started_from;
 mod train;
 mod validate;
 
@@ -21,5 +22,6 @@ pub use exploration::{ExplorationConfig, TestPolicy, TrainPolicy};
 pub use preset::Preset;
 pub use relay::{GoalFrame, Method, ObjectOrder, RelayConfig};
 pub use replay::{BatchMode, ReplayConfig};
+pub use started_from::StartedFrom;
 pub use train::{TrainConfig, VERSION};
 pub use validate::ConfigError;

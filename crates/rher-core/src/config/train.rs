@@ -2,6 +2,7 @@
 
 use super::declare::settings;
 use super::preset::Start;
+use super::started_from::StartedFrom;
 use super::{AgentConfig, EvaluationConfig, ExplorationConfig, Preset, RelayConfig, ReplayConfig};
 use crate::setting::Range;
 
@@ -66,7 +67,16 @@ settings! {
         unwritten {
             /// Number of objects that the preset was asked for; `None` in settings read from a
             /// file, which take it from their task.
+            #[serde(skip)]
             pub objects: Option<usize> = Some(start.objects),
+            /// The run whose networks this one started with; `None` if it started with untrained
+            /// ones. [`Trainer`](crate::Trainer) sets it.
+            #[serde(
+                default,
+                with = "crate::since_6",
+                skip_serializing_if = "Option::is_none"
+            )]
+            pub from: Option<StartedFrom> = None,
         }
     }
 }

@@ -6,6 +6,8 @@ use super::turns::{self, Turns};
 use crate::config::{GoalFrame, ObjectOrder, RelayConfig};
 use crate::env::EnvSpec;
 use crate::goal::{Achieved, EncodedGoal, Position};
+#[cfg(feature = "train")]
+use crate::names::Names;
 use serde::{Deserialize, Serialize};
 use std::iter;
 
@@ -57,6 +59,35 @@ impl InputEncoder {
         match self.frame {
             GoalFrame::Absolute => 0,
             GoalFrame::Relative => self.slots.len(),
+        }
+    }
+
+    /// One name for each number in a row, in environments with these names.
+    ///
+    /// What a run takes over from that of another task follows from this list alone.
+    #[cfg(feature = "train")]
+    pub(crate) fn names(&self, names: &Names) -> Vec<String> {
+        let slots = || iter::once("gripper").chain(names.objects.iter().map(String::as_str));
+        let of_slot = |slot| ["x", "y", "z"].map(|axis| format!("goal.{slot}.{axis}"));
+        let mut list = names.observation.clone();
+        list.extend(slots().flat_map(of_slot));
+        list.extend(slots().take(self.flags()).map(|slot| format!("goal.{slot}.blank")));
+        if self.fine_scale.is_some() {
+            list.extend(FineScale::names(&names.objects));
+        }
+        debug_assert_eq!(list.len(), self.width());
+        list
+    }
+
+    /// Takes over the statistics of an encoder for fewer objects: those of an observation from the
+    /// numbers at these places, those of a slot that it does not have from its first object's.
+    #[cfg(feature = "train")]
+    pub(crate) fn inherit(&mut self, known: &Self, observation: &[Option<usize>]) {
+        self.observation = known.observation.rearranged(observation);
+        for (index, slot) in self.slots.iter_mut().enumerate() {
+            if let Some(known) = known.slots.get(index).or(known.slots.get(1)) {
+                slot.clone_from(known);
+            }
         }
     }
 

@@ -47,6 +47,21 @@ impl FineScale {
         (4 * slots + 6 * (slots - 1)).saturating_sub(3)
     }
 
+    /// What each of the numbers is, in scenes with these objects.
+    #[cfg(feature = "train")]
+    pub(super) fn names(objects: &[String]) -> Vec<String> {
+        let slots = iter::once("gripper").chain(objects.iter().map(String::as_str));
+        let of_slot =
+            |slot| ["x", "y", "z", "distance"].map(|what| format!("near.goal.{slot}.{what}"));
+        let from = |object: &str, other: &str| {
+            ["x", "y", "z"].map(|axis| format!("near.{object}.from_{other}.{axis}"))
+        };
+        let from_gripper = objects.iter().flat_map(|object| from(object, "gripper"));
+        let others = objects.iter().skip(1);
+        let from_first = others.flat_map(|object| from(object, &objects[0]));
+        slots.flat_map(of_slot).chain(from_gripper).chain(from_first).collect()
+    }
+
     /// Writes what it sees of `goal` at a step where the scene is `now`, the objects in `order`.
     pub(super) fn write<const N: usize>(
         &self,

@@ -50,6 +50,23 @@ impl Normalizer {
         self.mean.len()
     }
 
+    /// Statistics of other vectors: each of `numbers` is what the numbers of this one at that place
+    /// were, or is unknown and passes through as it did with as many values of mean 0 and deviation
+    /// 1.
+    #[cfg(feature = "train")]
+    pub(super) fn rearranged(&self, numbers: &[Option<usize>]) -> Self {
+        fn pick<T: Copy>(values: &[T], numbers: &[Option<usize>], unknown: T) -> Vec<T> {
+            numbers.iter().map(|number| number.map_or(unknown, |number| values[number])).collect()
+        }
+        Self {
+            count: self.count,
+            sums: pick(&self.sums, numbers, 0.0),
+            squares: pick(&self.squares, numbers, self.count),
+            mean: pick(&self.mean, numbers, 0.0),
+            inverse_deviation: pick(&self.inverse_deviation, numbers, 1.0),
+        }
+    }
+
     /// Takes a vector into the sums; [`Normalizer::refresh`] brings them into force.
     pub fn observe(&mut self, values: impl IntoIterator<Item = f32>) {
         self.count += 1.0;

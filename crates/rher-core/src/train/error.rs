@@ -2,6 +2,7 @@
 
 use super::checkpoint::CheckpointError;
 use super::memory::MemoryError;
+use super::pretrained::PretrainedError;
 use crate::config::ConfigError;
 use crate::env::SpecError;
 use crate::episode::RolloutError;
@@ -65,6 +66,9 @@ pub enum TrainError {
         /// How many are needed.
         expected: usize,
     },
+    /// The run cannot start from the one that it should start from.
+    #[error(transparent)]
+    Pretrained(#[from] PretrainedError),
     /// The threads could not be started.
     #[error("cannot start {workers} threads")]
     Threads {

@@ -1,6 +1,6 @@
 //! The identity of a run, from its settings.
 
-use crate::config::TrainConfig;
+use crate::config::{StartedFrom, TrainConfig};
 use crate::policy::RunId;
 use crate::setting::{Setting, SettingVisitor, Value};
 use sha2::{Digest as _, Sha256};
@@ -11,12 +11,18 @@ const NOT_HASHED: [&str; 3] = ["env_steps", "until", "agent.engine"];
 /// The identity of a run with these settings, in environments that were made with `variant`.
 ///
 /// It is the first 128 bits of the SHA-256 of a line `key=value` for each setting, values as JSON,
-/// in the order of the settings file, after a line for `variant`.
+/// in the order of the settings file, after a line for `variant`; then, if it started from another run,
+/// a line for each fact about that one.
 #[expect(clippy::missing_panics_doc, reason = "it cannot panic, as the expectation says")]
 pub fn run_id(config: &TrainConfig, variant: &str) -> RunId {
     let mut lines = Lines(Sha256::new());
     lines.add("variant", &variant);
     let Ok(()) = config.visit(&mut lines);
+    if let Some(StartedFrom { task, run, updates }) = &config.from {
+        lines.add("from.task", task);
+        lines.add("from.run", run);
+        lines.add("from.updates", updates);
+    }
     let digest: [u8; 32] = lines.0.finalize().into();
     let first = digest.first_chunk().expect("a SHA-256 has more than 16 bytes");
     RunId(u128::from_be_bytes(*first))
@@ -52,7 +58,7 @@ impl SettingVisitor for Lines {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::config::{EngineKind, Preset};
+    use crate::config::{EngineKind, Preset, StartedFrom};
 
     #[test]
     fn a_run_is_known_by_its_settings_and_its_seed() {
@@ -72,5 +78,13 @@ mod tests {
         other.replay.batch_size += 1;
         assert_ne!(run_id(&other, ""), id);
         assert_ne!(run_id(&config(), "[task]\n"), id);
+
+        let from = |updates| {
+            let mut config = config();
+            config.from = Some(StartedFrom { task: "push".to_owned(), run: id, updates });
+            run_id(&config, "")
+        };
+        assert_ne!(from(1), id);
+        assert_ne!(from(1), from(2));
     }
 }

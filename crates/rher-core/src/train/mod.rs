@@ -5,6 +5,7 @@ mod error;
 mod identity;
 pub mod memory;
 mod play;
+mod pretrained;
 mod rows;
 mod state;
 mod tally;
@@ -12,4 +13,5 @@ mod trainer;
 
 pub use error::{Finish, TrainError};
 pub use identity::run_id;
+pub use pretrained::{Pretrained, PretrainedError, Unfit};
 pub use trainer::Trainer;

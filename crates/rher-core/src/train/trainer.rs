@@ -5,6 +5,7 @@ use super::error::{Finish, TrainError};
 use super::identity::run_id;
 use super::memory;
 use super::play::{Played, explore_once};
+use super::pretrained::Pretrained;
 use super::rows::SubtaskBatch;
 use super::state::RunState;
 use super::tally::{SourceCounts, Tally};
@@ -82,7 +83,32 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
     /// `envs` are equal and at least as many as `config.envs`; evaluations use all of them, so
     /// more of them let more of the `workers` threads help. No result depends on either.
     pub fn new(config: TrainConfig, envs: Vec<E>, workers: usize) -> Result<Self, TrainError> {
+        Self::begin(config, envs, workers, None)
+    }
+
+    /// A new run that starts with the networks of another one, and with its statistics of what is
+    /// observed; all else is as in a new run. That run becomes part of the identity of this one.
+    ///
+    /// # Errors
+    ///
+    /// If the two do not fit each other, besides those of [`Trainer::new`].
+    pub fn new_from(
+        pretrained: &Pretrained,
+        config: TrainConfig,
+        envs: Vec<E>,
+        workers: usize,
+    ) -> Result<Self, TrainError> {
+        Self::begin(config, envs, workers, Some(pretrained))
+    }
+
+    fn begin(
+        mut config: TrainConfig,
+        envs: Vec<E>,
+        workers: usize,
+        pretrained: Option<&Pretrained>,
+    ) -> Result<Self, TrainError> {
         config.validate()?;
+        config.from = pretrained.map(Pretrained::origin);
         check_envs(&envs, &config)?;
         let spec = envs[0].spec();
         memory::check(&config, spec)?;
@@ -99,9 +125,13 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
             action_dim: spec.action_dim,
             reach_distance: config.relay.reach_distance,
         };
-        let encoder = InputEncoder::new(&config.relay, spec);
-        let mut rng = Seed(config.seed).stream(Purpose::Init, 0);
-        let learner = LearnerState::new(&config.agent, encoder.width(), spec.action_dim, &mut rng);
+        let mut encoder = InputEncoder::new(&config.relay, spec);
+        let learner = if let Some(pretrained) = pretrained {
+            pretrained.hand_over(&config, spec, &mut encoder)?
+        } else {
+            let mut rng = Seed(config.seed).stream(Purpose::Init, 0);
+            LearnerState::new(&config.agent, encoder.width(), spec.action_dim, &mut rng)
+        };
         let state = RunState {
             env_steps: 0,
             episodes: 0,
