@@ -113,6 +113,8 @@ fn training_help_teaches() {
           --workers <N>       Number of threads, which never changes the result [default: one for each
                               core]
           --out <DIR>         Run folder to create; by default `runs/<TASK>-<METHOD>-<PRESET>-<SEED>`
+          --from <RUN>        Start with the networks of the run in this folder, which may be of another
+                              task
           --record-every <N>  Record every N-th training episode for Foxglove, beginning with the first
           --tensorboard       Write event files for `tensorboard --logdir runs`, with the numbers of
                               `metrics.jsonl`

@@ -84,6 +84,7 @@ Examples:
   rher train push --method her --seed 2    the baseline: plain hindsight, no relay
   rher train pick --preset paper --envs 19 the published settings, 19 environments side by side
   rher train push --set agent.hidden=[128,128] --set relay.mirror=0
+  rher train tpush --from runs/dpush-rher-fast-1
   rher train --resume runs/push-rher-fast-1
 
 Ctrl-C finishes the episode, saves and exits 130; a second Ctrl-C exits at once. SIGTERM and SIGHUP do
@@ -106,6 +107,18 @@ pub(crate) struct TrainArgs {
     /// `checkpoint/` and `policy.safetensors`. A folder that already holds a run is not touched.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
+
+    /// Start with the networks of the run in this folder, which may be of another task
+    ///
+    /// Its last actor and critics, and its statistics of what is observed, become the first of the
+    /// new run; all else starts anew. Inputs are found by their names, such as `block1.position.x`;
+    /// those that only the new task has begin without influence. The task has the same hand and at
+    /// least the same objects: push, then dpush, then tpush; pick, then stack, then tstack.
+    /// `agent.hidden`, `agent.critics`, `agent.critic_layer_norm`, `relay.goal_frame` and
+    /// `relay.object_order` are the same in both runs. The section `[from]` of `config.toml` names
+    /// the run that was started from.
+    #[arg(long, value_name = "RUN")]
+    pub(crate) from: Option<PathBuf>,
 
     /// Record every N-th training episode for Foxglove, beginning with the first
     ///
@@ -138,7 +151,9 @@ pub(crate) struct TrainArgs {
     #[arg(
         long,
         value_name = "DIR",
-        conflicts_with_all = ["task", "preset", "method", "seed", "envs", "config", "set", "out"],
+        conflicts_with_all = [
+            "task", "preset", "method", "seed", "envs", "config", "set", "out", "from",
+        ],
     )]
     pub(crate) resume: Option<PathBuf>,
 

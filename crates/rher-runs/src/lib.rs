@@ -5,6 +5,7 @@ mod difference;
 mod folder;
 mod machine;
 mod metrics;
+mod pretrained;
 mod run;
 pub mod settings;
 
@@ -13,5 +14,6 @@ pub use difference::{OtherSettings, difference};
 pub use folder::{RunDir, RunDirError};
 pub use machine::Machine;
 pub use metrics::{Evaluation, METRICS_FILE, MetricsError, MetricsFile, read_evaluations};
+pub use pretrained::read_pretrained;
 pub use run::{Group, Groups, Repeated, Run, RunError, read_groups};
 pub use settings::{Asked, Settings, SettingsError};

@@ -12,14 +12,14 @@ use crate::trained::made_with;
 use rher_core::config::{EngineKind, TrainConfig};
 use rher_core::event::{Event, Metrics, Progress, Seconds};
 use rher_core::train::checkpoint;
-use rher_core::train::{Finish, Trainer};
+use rher_core::train::{Finish, Pretrained, Trainer};
 use rher_envs::{EnvVisitor, Simulated, Task};
 #[cfg(feature = "live")]
 use rher_record::{Live, Player};
 use rher_record::{RecordingFile, RecordingInfo, Source};
-use rher_runs::{MetricsFile, RunDir, Settings, settings};
+use rher_runs::{MetricsFile, RunDir, Settings, read_pretrained, settings};
 use std::num::NonZeroU64;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
 const STOPPING: &str =
@@ -43,7 +43,9 @@ pub(crate) fn train(args: &TrainArgs, printer: Printer) -> anyhow::Result<Status
         (None, Some(task)) => {
             let settings = settings::resolve_here(*task, &settings.into())?;
             let path = out.clone().unwrap_or_else(|| RunDir::default_path(&settings.config));
-            begin(*task, settings, &path, how)
+            let pretrained = args.from.as_deref().map(read_pretrained).transpose()?;
+            let start = Start::New { path, pretrained: pretrained.map(Box::new) };
+            begin(*task, settings, start, how)
         }
         (None, None) => unreachable!("clap asks for a task where there is nothing to resume"),
     }
@@ -63,11 +65,10 @@ struct How {
 fn begin(
     task: Task,
     Settings { config, options }: Settings,
-    path: &Path,
+    start: Start,
     how: How,
 ) -> anyhow::Result<Status> {
-    let folder = RunDir::create(path)?;
-    task.visit_with(&options, Session { folder, config, start: Start::New, how })?
+    task.visit_with(&options, Session { config, start, how })?
 }
 
 /// Goes on with the run in a folder.
@@ -77,23 +78,24 @@ fn go_on(path: &Path, settings: &SettingsArgs, how: How) -> anyhow::Result<Statu
     let name = config.task.clone();
     let task: Task = name.parse().map_err(|_| ForeignTask { name })?;
     let SettingsArgs { env_steps, until, engine, .. } = *settings;
-    let start = Start::Resumed { env_steps, until, engine };
+    let start = Start::Resumed { folder, env_steps, until, engine };
     let options = made_with(&checkpoint::read_variant(path)?, task)?;
-    task.visit_with(&options, Session { folder, config, start, how })?
+    task.visit_with(&options, Session { config, start, how })?
 }
 
 /// Training on a task that is known at run time.
 struct Session {
-    folder: RunDir,
     config: TrainConfig,
     start: Start,
     how: How,
 }
 
 enum Start {
-    New,
+    /// In a folder that is not there yet, perhaps from another run.
+    New { path: PathBuf, pretrained: Option<Box<Pretrained>> },
     /// From the checkpoint, with another end or engine if they are given.
     Resumed {
+        folder: RunDir,
         env_steps: Option<u64>,
         until: Option<f32>,
         engine: Option<EngineKind>,
@@ -104,23 +106,22 @@ impl EnvVisitor for Session {
     type Output = anyhow::Result<Status>;
 
     fn visit<const N: usize, E: Simulated<N>>(self, build: impl Fn() -> E + Sync) -> Self::Output {
-        let Self { folder, config, start, how } = self;
-        if !folder.is_guarded() {
-            how.printer.warn(format_args!(
-                "the file system of `{}` has no locks: make sure that no other process trains there",
-                folder.path().display()
-            ));
-        }
+        let Self { config, start, how } = self;
         let How { workers, record_every, tensorboard, printer, .. } = how;
         let envs: Vec<E> = (0..config.envs.max(workers)).map(|_| build()).collect();
         let made_with = envs[0].options().clone();
-        let (mut trainer, metrics) = match start {
-            Start::New => {
-                let trainer = Trainer::new(config, envs, workers)?;
+        let (folder, mut trainer, metrics) = match start {
+            Start::New { path, pretrained } => {
+                let trainer = match pretrained {
+                    Some(pretrained) => Trainer::new_from(&pretrained, config, envs, workers)?,
+                    None => Trainer::new(config, envs, workers)?,
+                };
+                // Nothing is made for a run that cannot begin.
+                let folder = RunDir::create(&path)?;
                 let metrics = MetricsFile::create(&folder.metrics(), trainer.id())?;
-                (trainer, metrics)
+                (folder, trainer, metrics)
             }
-            Start::Resumed { env_steps, until, engine } => {
+            Start::Resumed { folder, env_steps, until, engine } => {
                 let path = folder.path();
                 let mut trainer = match engine {
                     Some(engine) => Trainer::resume_on(engine, path, envs, workers)?,
@@ -134,9 +135,15 @@ impl EnvVisitor for Session {
                 }
                 let (id, evaluations) = (trainer.id(), trainer.evaluations());
                 let metrics = MetricsFile::resume(&folder.metrics(), id, evaluations)?;
-                (trainer, metrics)
+                (folder, trainer, metrics)
             }
         };
+        if !folder.is_guarded() {
+            printer.warn(format_args!(
+                "the file system of `{}` has no locks: make sure that no other process trains there",
+                folder.path().display()
+            ));
+        }
         let (config, options) = (trainer.config().clone(), made_with);
         let settings = Settings { config, options };
         folder.write_config(&settings, trainer.id())?;

@@ -6,14 +6,15 @@ use rher_core::episode::RolloutError;
 use rher_core::evaluate::EvaluateError;
 use rher_core::files::{Access, FileError};
 use rher_core::policy::PolicyError;
-use rher_core::train::TrainError;
 use rher_core::train::checkpoint::CheckpointError;
+use rher_core::train::{PretrainedError, TrainError, Unfit};
 use std::io;
 
 impl Explain for TrainError {
     fn report(&self) -> Option<Report> {
         match self {
             Self::Checkpoint(error) => error.report(),
+            Self::Pretrained(error) => error.report(),
             Self::Rollout { source, .. } => source.report(),
             Self::Evaluate { source, .. } => source.report(),
             Self::NotFinite { .. } => Some(Report::new(
@@ -26,6 +27,25 @@ impl Explain for TrainError {
                 Some(Report::plain(Status::Usage))
             }
             _ => None,
+        }
+    }
+}
+
+impl Explain for PretrainedError {
+    fn report(&self) -> Option<Report> {
+        match self {
+            Self::NoCheckpoint { .. } => {
+                Some(Report::new(Status::RunFolder, "give a folder that `rher train` made"))
+            }
+            Self::Checkpoint(CheckpointError::Version { .. }) => Some(Report::new(
+                Status::Damaged,
+                "train the run to start from again, with this version of `rher`",
+            )),
+            Self::Checkpoint(error) => error.report(),
+            Self::Unfit { reason: Unfit::OtherSetting { key, found, .. }, .. } => {
+                Some(Report::new(Status::Usage, format!("`--set {key}={found}` makes them fit")))
+            }
+            _ => Some(Report::plain(Status::Usage)),
         }
     }
 }

@@ -18,8 +18,8 @@ use rher_core::evaluate::EvaluateError;
 use rher_core::event::ObserverError;
 use rher_core::files::FileError;
 use rher_core::policy::PolicyError;
-use rher_core::train::TrainError;
 use rher_core::train::checkpoint::CheckpointError;
+use rher_core::train::{PretrainedError, TrainError};
 use rher_record::export::ExportError;
 use rher_record::{PlayError, ReadError};
 use rher_runs::{
@@ -37,6 +37,7 @@ const KNOWN: &[fn(&(dyn Error + 'static)) -> Option<Report>] = &[
     explain::<OtherRun>,
     explain::<RunError>,
     explain::<TrainError>,
+    explain::<PretrainedError>,
     explain::<CheckpointError>,
     explain::<PolicyError>,
     explain::<EvaluateError>,

@@ -39,6 +39,10 @@ impl Explain for SettingsError {
                 };
                 Report::new(Status::Usage, hint)
             }
+            Self::StartedFrom { origin, .. } => Report::new(
+                status(origin),
+                "`rher train <TASK> --from RUN` starts from a run; leave the section `[from]` out",
+            ),
             Self::Unknown { origin, nearest: Some(nearest), .. } => {
                 Report::new(status(origin), format!("did you mean `{nearest}`? {EVERY}"))
             }

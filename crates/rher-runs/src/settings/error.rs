@@ -117,6 +117,14 @@ pub enum SettingsError {
         /// Dotted.
         key: String,
     },
+    /// The key is a fact about the run that another one started from.
+    #[error("{origin}: `{key}` says which run another one started from, and cannot be set")]
+    StartedFrom {
+        /// Who asked for it.
+        origin: Origin,
+        /// Dotted.
+        key: String,
+    },
     /// The key is not known.
     #[error("{origin}: there is no setting `{key}`")]
     Unknown {

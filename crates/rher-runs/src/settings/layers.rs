@@ -3,7 +3,7 @@
 use super::describe::expected;
 use super::error::{Origin, SettingsError, Source};
 use super::file::ConfigFile;
-use super::written::{split, table};
+use super::written::{FROM, split, table};
 use super::{Asked, Settings};
 use rher_envs::Task;
 use std::collections::BTreeMap;
@@ -96,7 +96,11 @@ impl Layers {
     }
 
     fn unknown(&self, key: &str, origin: Origin) -> SettingsError {
+        let of_from = key.split('.').next() == Some(FROM);
         let key = key.to_owned();
+        if of_from {
+            return SettingsError::StartedFrom { origin, key };
+        }
         if let (Some(task), Some(owner)) = (self.task, owner(&key)) {
             return SettingsError::OtherTasksOption { origin, key, owner, task };
         }

@@ -2,11 +2,14 @@
 
 use super::describe::{self, Described, section_doc, wrap};
 use super::{Settings, SettingsError};
-use rher_core::config::{Setting, SettingVisitor, TrainConfig, Value as SettingValue};
+use rher_core::config::{Setting, SettingVisitor, StartedFrom, TrainConfig, Value as SettingValue};
 use rher_envs::{Options, Randomize, TaskOptions};
 use serde::{Deserialize, Serialize};
 use toml::ser::{Error, ValueSerializer};
 use toml::{Table, Value};
+
+/// Section about the run that another one started from, in the files of runs that did.
+pub(super) const FROM: &str = "from";
 
 /// Which comments a settings file has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,6 +81,11 @@ pub(super) fn lines(settings: &Settings) -> Result<Vec<(String, String)>, Error>
     let (sections, top): (Vec<_>, Vec<_>) =
         values.into_iter().partition(|(key, _)| key.contains('.'));
     let (task, mut lines): (Vec<_>, Vec<_>) = top.into_iter().partition(|(key, _)| key == "task");
+    if let Some(StartedFrom { task, run, updates }) = &config.from {
+        let facts =
+            [("task", written(task)?), ("run", written(run)?), ("updates", written(updates)?)];
+        lines.extend(facts.map(|(name, value)| (format!("{FROM}.{name}"), value)));
+    }
     lines.extend(task.into_iter().map(|(_, name)| (describe::NAME.to_owned(), name)));
     for (name, value) in &options.task.0 {
         lines.push((format!("task.{name}"), written(value)?));
