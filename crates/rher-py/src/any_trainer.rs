@@ -5,7 +5,7 @@ use rher_core::config::TrainConfig;
 use rher_core::env::Env;
 use rher_core::event::{Observer, Progress};
 use rher_core::policy::Policy;
-use rher_core::train::{Finish, TrainError, Trainer};
+use rher_core::train::{Finish, Pretrained, TrainError, Trainer};
 use rher_envs::{EnvVisitor, Simulated};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -83,6 +83,8 @@ impl<const N: usize, E: Env<N>> AnyTrainer for Trainer<N, E> {
 pub(crate) enum Start {
     /// With nothing learned.
     New(Box<TrainConfig>),
+    /// With what another run has learned.
+    From(Box<Pretrained>, Box<TrainConfig>),
     /// At the last checkpoint in this folder.
     Resumed(PathBuf),
 }
@@ -96,6 +98,9 @@ impl Start {
     ) -> Result<Box<dyn AnyTrainer>, TrainError> {
         Ok(match self {
             Self::New(config) => Box::new(Trainer::new(*config, envs, workers)?),
+            Self::From(pretrained, config) => {
+                Box::new(Trainer::new_from(&pretrained, *config, envs, workers)?)
+            }
             Self::Resumed(folder) => Box::new(Trainer::resume(&folder, envs, workers)?),
         })
     }

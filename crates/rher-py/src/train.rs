@@ -10,16 +10,16 @@ use crate::policy::Policy;
 use crate::threads::allowed;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyType};
-use rher_core::config::{Method, Preset};
+use rher_core::config::{Method, Preset, TrainConfig};
 use rher_core::event::{Event, ObserverError, Progress};
 use rher_core::files::FileError as CoreFileError;
 use rher_core::policy::PolicyError as CorePolicyError;
 use rher_core::train::checkpoint::{self, CheckpointError};
-use rher_core::train::{Finish, TrainError as CoreTrainError};
+use rher_core::train::{Finish, PretrainedError, TrainError as CoreTrainError};
 use rher_envs::{Options, Task};
 use rher_runs::{
     Asked, CONFIG_FILE, ConfigFile, ConfigFileError, MetricsError, MetricsFile, RunDir,
-    RunDirError, Settings, SettingsError as CoreSettingsError, settings,
+    RunDirError, Settings, SettingsError as CoreSettingsError, read_pretrained, settings,
 };
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -82,6 +82,7 @@ impl Trainer {
         arguments: &str,
         out: Option<PathBuf>,
         workers: Option<usize>,
+        from_run: Option<PathBuf>,
     ) -> PyResult<Self> {
         let asked = Arguments::parse(arguments)?;
         let task: Task = task.parse().map_err(|error| InputError::new_err(told(&error)))?;
@@ -91,7 +92,7 @@ impl Trainer {
                 settings::resolve_here(task, &asked).map_err(from_settings)?;
             let path = out.unwrap_or_else(|| RunDir::default_path(&config));
             let envs = config.envs;
-            let start = Start::New(Box::new(config));
+            let start = new_run(config, from_run)?;
             let trainer = task.visit_with(&options, OfTask { start, envs, workers });
             let trainer = trainer.map_err(|error| SettingsError::new_err(told(&error)))?;
             let trainer = trainer.map_err(|error| from_train(&error, None))?;
@@ -109,6 +110,7 @@ impl Trainer {
         arguments: &str,
         out: Option<PathBuf>,
         workers: Option<usize>,
+        from_run: Option<PathBuf>,
     ) -> PyResult<Self> {
         let asked = Arguments::parse(arguments)?;
         let about = parse_about(about)?;
@@ -118,7 +120,7 @@ impl Trainer {
                 .map_err(from_settings)?;
             let path = out.unwrap_or_else(|| RunDir::default_path(&config));
             let raised = Raised::default();
-            let start = Start::New(Box::new(config));
+            let start = new_run(config, from_run)?;
             let trainer = on_foreign(env, &about, start, workers, &raised)?;
             let folder = RunDir::create(&path).map_err(from_run_dir)?;
             Self::begun(trainer, folder, Options::default(), raised)
@@ -380,6 +382,19 @@ fn parse_about(json: &str) -> PyResult<About> {
     serde_json::from_str(json).map_err(|error| InputError::new_err(told(&error)))
 }
 
+/// A run with these settings, which starts from the one in a folder if there is one.
+fn new_run(config: TrainConfig, from_run: Option<PathBuf>) -> PyResult<Start> {
+    let config = Box::new(config);
+    Ok(match from_run {
+        None => Start::New(config),
+        Some(folder) => {
+            let pretrained =
+                read_pretrained(&folder).map_err(|error| from_train(&error.into(), None))?;
+            Start::From(Box::new(pretrained), config)
+        }
+    })
+}
+
 /// A run on the user's environment.
 fn on_foreign(
     env: Py<PyAny>,
@@ -466,8 +481,13 @@ fn from_train(error: &CoreTrainError, raised: Option<PyErr>) -> PyErr {
         | CoreTrainError::Engine(_)
         | CoreTrainError::Spec(_)
         | CoreTrainError::OtherObjects { .. }
+        | CoreTrainError::Pretrained(PretrainedError::Unfit { .. })
         | CoreTrainError::TooFewEnvs { .. } => SettingsError::new_err(told(error)),
-        CoreTrainError::Checkpoint(error) => from_checkpoint(error),
+        CoreTrainError::Pretrained(PretrainedError::Checkpoint(error))
+        | CoreTrainError::Checkpoint(error) => from_checkpoint(error),
+        CoreTrainError::Pretrained(PretrainedError::NoCheckpoint { .. }) => {
+            FileError::new_err(told(error))
+        }
         CoreTrainError::Observer(_) => FileError::new_err(told(error)),
         _ => TrainError::new_err(told(error)),
     }

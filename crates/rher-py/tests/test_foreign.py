@@ -65,6 +65,15 @@ def test_a_run_goes_on_as_if_it_had_not_stopped(tiny, tmp_path):
         rher.resume(tmp_path / "parts")
 
 
+def test_a_run_starts_from_one_with_the_same_dimensions(tiny, tmp_path):
+    first = trainer(Carry(1), tiny, tmp_path / "first").learn(env_steps=10 * STEPS)
+    second = trainer(Carry(1), tiny, tmp_path / "second", from_run=first.path)
+    assert second.run.settings["from"]["updates"] == first.metrics["updates"][-1]
+    with pytest.raises(rher.SettingsError, match="nothing says which inputs are the same"):
+        trainer(Carry(2), tiny, tmp_path / "third", objects=2, from_run=first.path)
+    assert not (tmp_path / "third").exists()
+
+
 class Trouble(Carry):
     """Does something wrong in an episode.
 

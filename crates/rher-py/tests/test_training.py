@@ -165,3 +165,31 @@ def test_damaged_runs_are_named(tiny, out):
 def test_reach_is_learned(out):
     run = rher.train("reach", out=out)
     assert run.metrics["success_final"][-1] >= 0.95
+
+
+def test_a_run_starts_from_that_of_another_task(tiny, tmp_path):
+    both = {**tiny, "agent.critic_layer_norm": True}
+    first = rher.train("push", set=both, env_steps=500, out=tmp_path / "push")
+    run = rher.train(
+        "dpush", set=both, env_steps=300, out=tmp_path / "dpush", from_run=first.path
+    )
+    source = run.settings["from"]
+    assert source["task"] == "push" and source["updates"] == first.metrics["updates"][-1]
+    assert "from" not in first.settings
+
+    again = rher.resume(run.path, env_steps=600)
+    assert again.settings["from"] == source
+
+
+def test_a_run_that_does_not_fit_is_refused_before_a_folder_is_made(tiny, tmp_path):
+    first = rher.train("push", set=tiny, env_steps=500, out=tmp_path / "push")
+    out = tmp_path / "new"
+    with pytest.raises(rher.SettingsError, match="its object 1 is `block1`, expected `puck1`"):
+        rher.train("slide", set=tiny, out=out, from_run=first.path)
+    with pytest.raises(rher.SettingsError, match=r"its `agent.hidden` is \[16,16\]"):
+        rher.train("push", set={**tiny, "agent.hidden": [8]}, out=out, from_run=first.path)
+    with pytest.raises(rher.FileError, match="there is no checkpoint in it"):
+        rher.train("push", set=tiny, out=out, from_run=tmp_path)
+    with pytest.raises(rher.InputError, match="from_run is 3, expected a path"):
+        rher.train("push", set=tiny, out=out, from_run=3)
+    assert not out.exists()

@@ -128,11 +128,22 @@ class Trainer:
 
     @classmethod
     def of_task(
-        cls, task: str, arguments: str, out: _Path | None, workers: int | None
+        cls,
+        task: str,
+        arguments: str,
+        out: _Path | None,
+        workers: int | None,
+        from_run: _Path | None,
     ) -> Trainer: ...
     @classmethod
     def of_env(
-        cls, env: Any, about: str, arguments: str, out: _Path | None, workers: int | None
+        cls,
+        env: Any,
+        about: str,
+        arguments: str,
+        out: _Path | None,
+        workers: int | None,
+        from_run: _Path | None,
     ) -> Trainer: ...
     @classmethod
     def resumed(

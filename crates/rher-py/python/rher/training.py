@@ -32,6 +32,7 @@ def train(
     until: float | None = None,
     out: str | os.PathLike[str] | None = None,
     workers: int | None = None,
+    from_run: str | os.PathLike[str] | None = None,
     on_event: OnEvent | None = None,
 ) -> Run:
     """Trains on a task, like ``rher train``: the same settings give the same numbers.
@@ -53,6 +54,9 @@ def train(
     :param out: folder of the run; ``runs/TASK-METHOD-PRESET-SEED`` if it is not given.
     :param workers: number of threads; by default as many as this process may use. It never changes
         the result.
+    :param from_run: folder of a run whose networks and statistics the new one starts with, like
+        ``rher train --from``. It may be of another task with the same hand and no more objects:
+        push, then dpush, then tpush. What does not fit is a :class:`rher.SettingsError`.
     :param on_event: is called with a dictionary whose ``kind`` is ``"progress"`` (after every
         episode), ``"evaluated"`` (with all metrics) or ``"saved"``. An exception in it ends the
         run, saved, and comes out.
@@ -60,7 +64,11 @@ def train(
     """
     arguments = _arguments(seed, preset, set, config, method, env_steps, until)
     trainer = _rher.Trainer.of_task(
-        text("task", task), arguments, _folder("out", out), _workers(workers)
+        text("task", task),
+        arguments,
+        _folder("out", out),
+        _workers(workers),
+        _folder("from_run", from_run),
     )
     return _to_the_end(trainer, None, None, on_event)
 
@@ -120,6 +128,8 @@ class Trainer:
     :param episode_steps: number of steps of every episode; by default that of ``gymnasium.make``.
     :param name: name of the environment in the run and in its policy.
     :param seed: as in :func:`rher.train`, like the parameters that follow.
+    :param from_run: as in :func:`rher.train`; its environment has the same dimensions and as many
+        objects.
     :param resume: folder of a run on this environment to continue with its own settings.
     """
 
@@ -141,13 +151,19 @@ class Trainer:
         until: float | None = None,
         out: str | os.PathLike[str] | None = None,
         workers: int | None = None,
+        from_run: str | os.PathLike[str] | None = None,
         resume: str | os.PathLike[str] | None = None,
     ) -> None:
         about = json.dumps(_about(env, objects, gripper, tolerance, episode_steps, name))
         if resume is None:
             arguments = _arguments(seed, preset, set, config, method, env_steps, until)
             self._trainer = _rher.Trainer.of_env(
-                env, about, arguments, _folder("out", out), _workers(workers)
+                env,
+                about,
+                arguments,
+                _folder("out", out),
+                _workers(workers),
+                _folder("from_run", from_run),
             )
         else:
             self._trainer = _rher.Trainer.resumed(
