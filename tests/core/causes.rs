@@ -493,6 +493,7 @@ fn every_row_has_one_cause() {
                             method,
                             tolerance,
                             hindsight: 0.6,
+                            redraw_met: 0.5,
                             later_objects,
                             goal_frame,
                             fine_scale,

@@ -300,3 +300,36 @@ fn statistics_are_applied() {
     );
     assert!((first(&encoder, 1.01) - 1.0).abs() < 1e-4);
 }
+
+/// In half of the episodes nothing moves, so that every goal in hindsight is already met.
+#[test]
+fn goals_that_are_already_met_are_drawn_again() {
+    let spec = EnvSpec::<1>::new("draws", 1, 1, STEPS);
+    let mut still = numbered::<1>(STEPS, 1);
+    still.achieved = vec![still.achieved[0]; STEPS + 1];
+    still.observations.fill(-1.0);
+    let mut replay = Replay::new(&spec, 2 * STEPS);
+    replay.push(&still);
+    replay.push(&numbered::<1>(STEPS, 1));
+    for (hindsight, redraw_met) in [(1.0, 0.0), (1.0, 0.5), (0.6, 0.5), (1.0, 1.0)] {
+        let relay = RelayConfig { hindsight, redraw_met, ..relay(1) };
+        let encoder = InputEncoder::new(&relay, &spec);
+        let mut batch = Batch::zeros(ROWS, encoder.width(), 1);
+        let mut rng = ChaCha8Rng::seed_from_u64(0);
+        Relabeler::new(&relay, &spec).draw(
+            &replay,
+            &encoder,
+            Stage::place(0),
+            &mut batch,
+            0..ROWS,
+            &mut rng,
+        );
+        // A row of the still episode whose goal is its own place, not the task's.
+        let is_met = |row: &&[f32]| row[0] == -1.0 && row[4] == 0.0;
+        let met = batch.inputs.chunks_exact(batch.input_dim).filter(is_met).count();
+        let share = f64::from(hindsight) / 2.0;
+        let again = f64::from(redraw_met);
+        let expected = (0..4).fold(share, |after, _| share * (1.0 - again + again * after));
+        assert!(is_near(met, expected, ROWS), "{met} rows with {relay:?}, expected {expected}");
+    }
+}

@@ -19,6 +19,7 @@ pub struct Relabeler<const N: usize> {
     tolerances: Tolerances<N>,
     method: Method,
     hindsight: f32,
+    redraw_met: f32,
     later_objects: LaterObjects,
     /// Every combination of the scene's mirrors, the first being none.
     reflections: Vec<Reflection>,
@@ -33,6 +34,9 @@ pub struct Relabeler<const N: usize> {
 /// Rows that are drawn before the first of them is filled, so that the memory that they need is
 /// fetched together: most of the time of a row is waiting for it.
 const AHEAD: usize = 32;
+
+/// How many times a row is drawn again because its goal in hindsight is already met.
+const REDRAWS: usize = 4;
 
 /// What a scene is in some of its mirrors; in none of them it has no entries.
 #[derive(Clone, Debug, Default)]
@@ -66,6 +70,7 @@ impl<const N: usize> Relabeler<N> {
             tolerances: config.tolerances(spec),
             method: config.method,
             hindsight: config.hindsight,
+            redraw_met: config.redraw_met,
             later_objects: config.later_objects,
             reflections: Reflection::all(if config.mirror > 0.0 { &spec.mirrors } else { &[] }),
             mirror: config.mirror,
@@ -131,7 +136,7 @@ impl<const N: usize> Relabeler<N> {
         for start in rows.clone().step_by(AHEAD) {
             let block = start..rows.end.min(start + AHEAD);
             for (draw, _) in drawn.iter_mut().zip(block.clone()) {
-                *draw = self.draw_row(replay, stage, rng);
+                *draw = self.draw_telling_row(replay, stage, rng);
                 replay.prefetch(draw.index, draw.later);
             }
             for (draw, row) in drawn.iter().zip(block) {
@@ -139,6 +144,45 @@ impl<const N: usize> Relabeler<N> {
             }
         }
         rewarded
+    }
+
+    /// Draws what a row is to be; with the set probability again where its goal in hindsight is
+    /// already met, since most steps move nothing.
+    fn draw_telling_row(&self, replay: &Replay<N>, stage: Stage<N>, rng: &mut impl Rng) -> Draw {
+        let mut draw = self.draw_row(replay, stage, rng);
+        if self.redraw_met == 0.0 {
+            return draw;
+        }
+        for _ in 0..REDRAWS {
+            if !self.is_met_already(replay, stage, &draw) || rng.random::<f32>() >= self.redraw_met
+            {
+                break;
+            }
+            draw = self.draw_row(replay, stage, rng);
+        }
+        draw
+    }
+
+    /// Whether a row has a goal in hindsight that is met before its step.
+    fn is_met_already(&self, replay: &Replay<N>, stage: Stage<N>, draw: &Draw) -> bool {
+        let order = self.order(stage, draw);
+        let scene = |step| {
+            let at = StepIndex { slot: draw.index.slot, step };
+            Achieved(replay.scene(at).0.reordered(&order))
+        };
+        draw.later.is_some_and(|later| {
+            let now = scene(draw.index.step);
+            let desired = Desired::in_hindsight(scene(later), self.later_objects);
+            EncodedGoal::new(stage, &now, &desired).is_met(&now, &self.tolerances)
+        })
+    }
+
+    /// The order of objects of a row.
+    fn order(&self, stage: Stage<N>, draw: &Draw) -> [usize; N] {
+        match draw.permutation {
+            None => array::from_fn(|object| object),
+            Some(which) => self.permutations[stage.object()][which].order,
+        }
     }
 
     /// Draws what a row is to be.
@@ -166,10 +210,11 @@ impl<const N: usize> Relabeler<N> {
         stage: Stage<N>,
         batch: &mut Batch,
         row: usize,
-        &Draw { index, permutation, later, reflection }: &Draw,
+        draw: &Draw,
     ) -> bool {
+        let order = self.order(stage, draw);
+        let Draw { index, permutation, later, reflection } = *draw;
         let permutation = permutation.map(|which| &self.permutations[stage.object()][which]);
-        let order = permutation.map_or_else(|| array::from_fn(|object| object), |it| it.order);
         let at = |step| StepIndex { slot: index.slot, step };
         let scene = |step| Achieved(replay.scene(at(step)).0.reordered(&order));
         let (mut now, mut next) = (scene(index.step), scene(index.step + 1));

@@ -68,6 +68,14 @@ settings! {
             range: Range::Share,
             paper: 0.8,
         }
+        /// Probability that a transition is drawn again when its hindsight goal is already met
+        /// before it, up to four times: most transitions move nothing, and teach little. Not in
+        /// the paper.
+        #[serde(default, with = "crate::since_6")]
+        pub redraw_met: f32 {
+            range: Range::Share,
+            paper: 0.0,
+        }
         /// Hindsight goal of the objects that a sub-task does not touch (eq. 9).
         pub later_objects: LaterObjects {
             paper: LaterObjects::Now,
