@@ -94,7 +94,8 @@
 //! ```
 //!
 //! With a folder in place of `None`, [`Trainer::run`] writes checkpoints there, from which
-//! [`Trainer::resume`] continues the run. `examples/custom_env.rs` is a complete program.
+//! [`Trainer::resume`] continues the run; [`Trainer::new_from`] starts another one with what it has
+//! learned. `examples/custom_env.rs` is a complete program.
 //!
 //! # Check your environment
 //!

@@ -23,7 +23,8 @@ const SAME: [&str; 5] = [
 /// A trained run from whose networks another one starts, with [`Trainer::new_from`].
 ///
 /// The inputs of the networks are found by their [names](Names). Those that only the new task has
-/// start without influence, so that the first policy of the new run is the last of the old one.
+/// start without influence, so that in the sub-tasks of the first object the new run starts with the
+/// last policy of the old one, if its environment has all inputs of that one.
 ///
 /// [`Trainer::new_from`]: super::Trainer::new_from
 #[derive(Clone, Debug)]
