@@ -75,6 +75,7 @@ settings! {
         pub redraw_met: f32 {
             range: Range::Share,
             paper: 0.0,
+            fast: 0.8,
         }
         /// Hindsight goal of the objects that a sub-task does not touch (eq. 9).
         pub later_objects: LaterObjects {
@@ -91,6 +92,7 @@ settings! {
         #[serde(default, with = "crate::since_6")]
         pub fine_scale: bool {
             paper: false,
+            fast: true,
         }
         /// Order in which the networks see interchangeable objects. Not in the paper.
         #[serde(default = "relay_order")]

@@ -38,7 +38,7 @@ settings! {
         pub focus: f32 {
             range: Range::Share,
             paper: 0.0,
-            fast: if start.single { 0.0 } else { 0.5 },
+            fast: 0.5,
         }
         /// How the sub-tasks share an update (Algorithm 1).
         pub batch_mode: BatchMode {
