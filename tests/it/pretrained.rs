@@ -254,7 +254,11 @@ fn a_run_that_cannot_start_from_another_one_makes_no_folder() {
         "train push --out untrained {TINY} --quiet --env-steps 50 --set replay.warmup_episodes=9"
     ));
     let refused = [
-        ("dpush --from push", 2, "`--set agent.critic_layer_norm=false` makes them fit"),
+        (
+            "dpush --from push --set agent.critic_layer_norm=false",
+            2,
+            "`--set agent.critic_layer_norm=true` makes them fit",
+        ),
         ("push --from pick", 2, "fingers.opening), expected (locked_fingers.x"),
         ("slide --from push", 2, "its object 1 is `block1`, expected `puck1`"),
         ("push --from dpush", 2, "it has 2 objects, expected at most 1"),

@@ -77,7 +77,7 @@ settings! {
         /// Layer normalization before every activation of the critics. Not in the paper.
         pub critic_layer_norm: bool {
             paper: false,
-            fast: !start.single,
+            fast: true,
         }
         /// Critic updates for each update of the actor: TD3's delayed policy updates, 2 for TD3, 1
         /// for DDPG.

@@ -10,14 +10,14 @@ choices! {
         /// Reaches the success rate in the least time on the user's machine.
         ///
         /// It differs from the paper by relative goals, near distances on a finer scale, rows drawn
-        /// again whose hindsight goal is already met, mirrored batches, the two critics of TD3,
-        /// networks of two hidden layers, target networks that move with every update, γ = 0.95,
-        /// d = 3 cm, and all sub-tasks in one joint batch of half the rows, with more of them for
-        /// sub-tasks that still fail. With one object, it makes as many updates as the paper does
-        /// for two sub-tasks. With more objects, it makes fewer updates for more data, has a
-        /// smaller penalty on actions and layer normalization, which the longer sub-tasks need,
-        /// sorts interchangeable objects by turn, imitates simpler sub-tasks, repeats random
-        /// actions for a few steps, and lets the guide move on sooner.
+        /// again whose hindsight goal is already met, mirrored batches, the two critics of TD3 with
+        /// layer normalization, networks of two hidden layers, target networks that move with
+        /// every update, γ = 0.95, d = 3 cm, and all sub-tasks in one joint batch of half the rows,
+        /// with more of them for sub-tasks that still fail. With one object, it makes as many
+        /// updates as the paper does for two sub-tasks. With more objects, it makes fewer updates
+        /// for more data, has a smaller penalty on actions, sorts interchangeable objects by turn,
+        /// imitates simpler sub-tasks, repeats random actions for a few steps, and lets the guide
+        /// move on sooner.
         Fast = "fast",
         /// Reaches the success rate in the fewest environment steps.
         ///
