@@ -36,6 +36,11 @@ impl Records {
     /// Hands the next record to `take` if it is one that matters; whether there was any.
     pub(crate) fn next(&mut self, take: impl FnOnce(Record<'_>)) -> Result<bool, McapError> {
         while let Some(event) = self.reader.next_event() {
+            // The reader itself reads nothing: what it calls an I/O error is of the decompression.
+            let event = event.map_err(|error| match error {
+                McapError::Io(error) => McapError::DecompressionError(error.to_string()),
+                error => error,
+            });
             match event? {
                 LinearReadEvent::ReadRequest(wanted) => {
                     // A length in a damaged file asks for more than there is.
