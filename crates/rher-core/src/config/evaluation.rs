@@ -10,7 +10,7 @@ settings! {
         pub every_episodes: u64 {
             range: Range::AtLeast(1),
             paper: 50,
-            fast: if start.single { 50 } else { 100 },
+            fast: if start.objects > 2 { 100 } else { 50 },
         }
         /// Evaluation episodes of the last sub-task, the whole task.
         pub episodes: usize {

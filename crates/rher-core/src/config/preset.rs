@@ -14,14 +14,15 @@ choices! {
         /// layer normalization, networks of two hidden layers, target networks that move with
         /// every update, γ = 0.95, d = 3 cm, and all sub-tasks in one joint batch of half the rows,
         /// with more of them for sub-tasks that still fail. With one object, it makes as many
-        /// updates as the paper does for two sub-tasks. With more objects, it makes fewer updates
-        /// for more data, has a smaller penalty on actions, sorts interchangeable objects by turn,
-        /// imitates simpler sub-tasks, repeats random actions for a few steps, and lets the guide
-        /// move on sooner.
+        /// updates as the paper does for two sub-tasks, with two half and with more a quarter as
+        /// many for the same data. With more objects than one, it has a smaller penalty on actions,
+        /// sorts interchangeable objects by turn, imitates simpler sub-tasks, repeats random
+        /// actions for a few steps, and lets the guide move on sooner.
         Fast = "fast",
         /// Reaches the success rate in the fewest environment steps.
         ///
-        /// It is `fast` with twice the updates for one object, and eight times as many for more.
+        /// It is `fast` with twice the updates for one object, four times as many for two and eight
+        /// times as many for more.
         SampleEfficient = "sample-efficient",
         /// The published settings.
         ///

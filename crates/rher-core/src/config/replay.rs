@@ -50,7 +50,11 @@ settings! {
         pub updates_per_episode: usize {
             range: Range::AtLeast(1),
             paper: 40,
-            fast: if start.single { 80 } else { 20 },
+            fast: match start.objects {
+                1 => 80,
+                2 => 40,
+                _ => 20,
+            },
             sample_efficient: 160,
         }
         /// Warm-up: training episodes before the first update.

@@ -37,6 +37,7 @@ impl Scenario<2> for DrawerBox {
     const NAME: &'static str = "drawer-box";
     const OBJECTS: [&'static str; 2] = ["handle", "block"];
     const EPISODE_STEPS: usize = 60;
+    const RECIPE: Option<&'static str> = Some(include_str!("drawer-box.toml"));
 
     fn build() -> (Self, World) {
         let (world, (cabinet, block)) = World::new(Fingers::Free, HOME, |scenery| {
