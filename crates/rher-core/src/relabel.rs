@@ -136,7 +136,7 @@ impl<const N: usize> Relabeler<N> {
         for start in rows.clone().step_by(AHEAD) {
             let block = start..rows.end.min(start + AHEAD);
             for (draw, _) in drawn.iter_mut().zip(block.clone()) {
-                *draw = self.draw_telling_row(replay, stage, rng);
+                *draw = self.draw_unmet_row(replay, stage, rng);
                 replay.prefetch(draw.index, draw.later);
             }
             for (draw, row) in drawn.iter().zip(block) {
@@ -148,7 +148,7 @@ impl<const N: usize> Relabeler<N> {
 
     /// Draws what a row is to be; with the set probability again where its goal in hindsight is
     /// already met, since most steps move nothing.
-    fn draw_telling_row(&self, replay: &Replay<N>, stage: Stage<N>, rng: &mut impl Rng) -> Draw {
+    fn draw_unmet_row(&self, replay: &Replay<N>, stage: Stage<N>, rng: &mut impl Rng) -> Draw {
         let mut draw = self.draw_row(replay, stage, rng);
         if self.redraw_met == 0.0 {
             return draw;

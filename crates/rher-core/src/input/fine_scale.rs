@@ -43,8 +43,8 @@ impl FineScale {
 
     /// Numbers that it writes.
     pub(super) fn width(&self) -> usize {
-        let slots = self.tolerances.len();
-        (4 * slots + 6 * (slots - 1)).saturating_sub(3)
+        // 4 (N + 1) + 3 N + 3 (N − 1), for N + 1 tolerances; a damaged file may have none.
+        (10 * self.tolerances.len()).saturating_sub(9)
     }
 
     /// What each of the numbers is, in scenes with these objects.

@@ -1,4 +1,5 @@
-//! What the networks see: normalized observations and goals, alike objects in order of turn, near distances on a finer scale.
+//! What the networks see: normalized observations and goals, alike objects in order of turn, and
+//! near distances on a finer scale.
 
 mod encoder;
 mod fine_scale;

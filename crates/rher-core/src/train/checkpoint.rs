@@ -9,9 +9,10 @@
 //! ```
 //!
 //! A `.ckpt` file is magic, version, length, CRC-32, the state in postcard, and the parts of it
-//! that have got new fields since version 5 once more in JSON. A record is its episode's number, the episode as little-endian `f32`, and a CRC-32 of the run's identity and of
-//! both (earlier versions left the identity out). Records come first, so a state never counts an
-//! episode that is not there.
+//! that have got new fields since version 5 once more in JSON. A record is its episode's number,
+//! the episode as little-endian `f32`, and a CRC-32 of the run's identity and of both (earlier
+//! versions left the identity out). Records come first, so a state never counts an episode that is
+//! not there.
 
 use super::identity::run_id;
 use super::state::RunState;
