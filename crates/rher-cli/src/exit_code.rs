@@ -3,7 +3,7 @@
 use signal_hook::consts::{SIGHUP, SIGTERM};
 use std::fmt::Write as _;
 use std::os::unix::process::ExitStatusExt as _;
-use std::process::{ExitCode, ExitStatus};
+use std::process::ExitStatus;
 
 /// How a run of the program ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -119,11 +119,5 @@ impl Status {
             let _ = writeln!(table, "{:>5}  {}", status as u8, status.meaning());
         }
         table
-    }
-}
-
-impl From<Status> for ExitCode {
-    fn from(status: Status) -> Self {
-        Self::from(status as u8)
     }
 }

@@ -1,12 +1,14 @@
-//! What the operating system gives: threads, signals that ask the program to end, its own file.
+//! What the operating system gives: threads, signals that ask the program to end, and how it is started again.
 
 use crate::exit_code::Status;
 use anyhow::Context as _;
 use rustix::process::{Pid, getppid};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use signal_hook::iterator::Signals;
+use std::ffi::OsString;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
+use std::process::Command;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
 use std::thread;
@@ -22,13 +24,36 @@ pub(crate) fn threads(asked: Option<NonZeroUsize>) -> usize {
     asked.map_or_else(cores, NonZeroUsize::get)
 }
 
-/// The file of this program, to start it again; on Linux the one that is running, even if another
-/// one has taken its place.
-pub(crate) fn this_program() -> anyhow::Result<PathBuf> {
-    if cfg!(target_os = "linux") {
-        return Ok("/proc/self/exe".into());
+/// How to start a process of this program.
+#[derive(Clone, Debug)]
+pub struct Program {
+    file: PathBuf,
+    arguments: Vec<OsString>,
+}
+
+impl Program {
+    /// The file that is running; on Linux also if another one has taken its place.
+    pub fn this_file() -> Self {
+        let file = if cfg!(target_os = "linux") {
+            "/proc/self/exe".into()
+        } else {
+            // Without it the system looks for the program where it looks for all of them.
+            std::env::current_exe().unwrap_or_else(|_| "rher".into())
+        };
+        Self::interpreted(file, Vec::new())
     }
-    std::env::current_exe().context("cannot find this program's own file")
+
+    /// An interpreter, and the arguments that make it this program.
+    pub const fn interpreted(interpreter: PathBuf, arguments: Vec<OsString>) -> Self {
+        Self { file: interpreter, arguments }
+    }
+
+    /// The program, still without arguments of its own.
+    pub(crate) fn command(&self) -> Command {
+        let mut command = Command::new(&self.file);
+        command.args(&self.arguments);
+        command
+    }
 }
 
 /// Asks the system to end this process by SIGTERM when the process `parent` ends; whether `parent`

@@ -3,7 +3,7 @@
 use crate::children::Children;
 use crate::errors::SameRun;
 use crate::exit_code::Status;
-use crate::host::this_program;
+use crate::host::Program;
 use crate::numbers::{percent, thousands};
 use crate::printer::Printer;
 use crate::tables::{table, text};
@@ -56,8 +56,8 @@ impl Job {
     }
 
     /// The command that begins the run in `folder` or resumes it, and what it reads.
-    fn command(&self, folder: &Path) -> anyhow::Result<(Command, String)> {
-        let mut command = Command::new(this_program()?);
+    fn command(&self, folder: &Path, program: &Program) -> anyhow::Result<(Command, String)> {
+        let mut command = program.command();
         let parent = std::process::id().to_string();
         command.args(["train", "--quiet", "--workers", "1", "--parent", &parent]);
         let config = &self.settings.config;
@@ -74,8 +74,13 @@ impl Job {
     }
 
     /// Begins the run, resumes it, or finds it finished; `None` if this program was asked to end.
-    fn train(&self, folder: &Path, children: &Children) -> anyhow::Result<Option<ExitStatus>> {
-        let (mut command, input) = self.command(folder)?;
+    fn train(
+        &self,
+        folder: &Path,
+        program: &Program,
+        children: &Children,
+    ) -> anyhow::Result<Option<ExitStatus>> {
+        let (mut command, input) = self.command(folder, program)?;
         let child = children.start(&mut command).context("cannot start a run")?;
         let Some(mut child) = child else { return Ok(None) };
         if let Some(mut stdin) = child.stdin.take() {
@@ -131,6 +136,7 @@ pub(crate) fn run(
     at_a_time: usize,
     out: &Path,
     json: bool,
+    program: &Program,
     printer: Printer,
 ) -> anyhow::Result<Status> {
     check(jobs, out)?;
@@ -146,7 +152,7 @@ pub(crate) fn run(
         while let Some(job) = jobs.get(next.fetch_add(1, Ordering::Relaxed)) {
             let name = job.name();
             let folder = out.join(&name);
-            match job.train(&folder, &children) {
+            match job.train(&folder, program, &children) {
                 Ok(None) => return None,
                 Ok(Some(status)) if status.success() => {}
                 Ok(Some(status)) => {

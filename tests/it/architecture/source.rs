@@ -290,11 +290,12 @@ fn gather(tokens: &[TokenTree], found: &mut Vec<String>) {
     }
 }
 
-/// The module that a file is, from its path below `src`.
+/// The module that a file is, from its path below `src`. Every crate is a library; a `main.rs` beside
+/// it is read like a module that nothing names.
 fn module_of(path: &Path) -> Segments {
     let mut module: Segments =
         path.with_extension("").iter().map(|part| part.to_string_lossy().into_owned()).collect();
-    if module.last().is_some_and(|last| last == "mod") || module.len() == 1 && is_root(&module[0]) {
+    if module.last().is_some_and(|last| last == "mod") || module == ["lib"] {
         module.pop();
     }
     module
@@ -303,10 +304,6 @@ fn module_of(path: &Path) -> Segments {
 /// What a group encloses.
 fn trees(group: &Group) -> Vec<TokenTree> {
     group.stream().into_iter().collect()
-}
-
-fn is_root(name: &str) -> bool {
-    name == "lib" || name == "main"
 }
 
 fn is_ident(token: &TokenTree, word: &str) -> bool {

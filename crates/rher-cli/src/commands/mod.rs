@@ -16,15 +16,16 @@ mod train;
 
 use crate::cli::{BenchCommand, Command};
 use crate::exit_code::Status;
+use crate::host::Program;
 use crate::printer::Printer;
 
 /// Does what `command` says.
-pub(crate) fn run(command: Command, printer: Printer) -> anyhow::Result<Status> {
+pub(crate) fn run(command: Command, program: &Program, printer: Printer) -> anyhow::Result<Status> {
     match command {
         Command::Tasks(args) => tasks::tasks(&args, printer)?,
         Command::Train(args) => return train::train(&args, printer),
-        Command::Sweep(args) => return sweep::sweep(&args, printer),
-        Command::Reproduce(args) => return reproduce::reproduce(&args, printer),
+        Command::Sweep(args) => return sweep::sweep(&args, program, printer),
+        Command::Reproduce(args) => return reproduce::reproduce(&args, program, printer),
         Command::Eval(args) => eval::eval(&args, printer)?,
         Command::Export(args) => return export::export(&args, printer),
         Command::Play(args) => return play::play(&args, printer),
@@ -33,7 +34,7 @@ pub(crate) fn run(command: Command, printer: Printer) -> anyhow::Result<Status> 
         Command::Plot(args) => plot::plot(&args, printer)?,
         Command::Report(args) => report::report(&args, printer)?,
         Command::Config(args) => config::config(&args, printer)?,
-        Command::Bench(BenchCommand::Env(args)) => bench::env::bench_env(&args, printer)?,
+        Command::Bench(BenchCommand::Env(args)) => bench::env::bench_env(&args, program, printer)?,
         Command::Bench(BenchCommand::Update(args)) => bench::update::bench_update(&args, printer)?,
     }
     Ok(Status::Success)

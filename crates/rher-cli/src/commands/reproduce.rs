@@ -2,7 +2,7 @@
 
 use crate::cli::{ReproduceArgs, SettingsArgs};
 use crate::exit_code::Status;
-use crate::host::threads;
+use crate::host::{Program, threads};
 use crate::jobs::{self, Job};
 use crate::printer::Printer;
 use crate::values::{Assignment, ExperimentName};
@@ -11,7 +11,11 @@ use rher_envs::Task;
 use rher_runs::settings;
 use std::path::Path;
 
-pub(crate) fn reproduce(args: &ReproduceArgs, printer: Printer) -> anyhow::Result<Status> {
+pub(crate) fn reproduce(
+    args: &ReproduceArgs,
+    program: &Program,
+    printer: Printer,
+) -> anyhow::Result<Status> {
     let experiment = Experiment::of(args.experiment);
     let name = args.experiment.name();
     let folder = || Path::new("runs").join(format!("reproduce-{name}"));
@@ -20,7 +24,7 @@ pub(crate) fn reproduce(args: &ReproduceArgs, printer: Printer) -> anyhow::Resul
     let seeds = &args.runs.seeds.0;
     let of_seeds = |case: &Case| seeds.iter().map(|&seed| case.job(args, seed)).collect::<Vec<_>>();
     let jobs = experiment.cases.iter().flat_map(of_seeds).collect::<anyhow::Result<Vec<_>>>()?;
-    jobs::run(&jobs, threads(args.runs.jobs), &out, args.runs.json, printer)
+    jobs::run(&jobs, threads(args.runs.jobs), &out, args.runs.json, program, printer)
 }
 
 /// One experiment of the paper.

@@ -3,17 +3,21 @@
 use crate::cli::{SettingsArgs, SweepArgs};
 use crate::errors::RepeatedKey;
 use crate::exit_code::Status;
-use crate::host::threads;
+use crate::host::{Program, threads};
 use crate::jobs::{self, Job};
 use crate::printer::Printer;
 use crate::values::Assignment;
 use rher_runs::settings;
 use std::path::Path;
 
-pub(crate) fn sweep(args: &SweepArgs, printer: Printer) -> anyhow::Result<Status> {
+pub(crate) fn sweep(
+    args: &SweepArgs,
+    program: &Program,
+    printer: Printer,
+) -> anyhow::Result<Status> {
     let out =
         args.out.clone().unwrap_or_else(|| Path::new("runs").join(format!("sweep-{}", args.task)));
-    jobs::run(&grid(args)?, threads(args.runs.jobs), &out, args.runs.json, printer)
+    jobs::run(&grid(args)?, threads(args.runs.jobs), &out, args.runs.json, program, printer)
 }
 
 /// Every combination of values and seeds.

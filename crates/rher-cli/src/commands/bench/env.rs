@@ -1,7 +1,7 @@
 //! `rher bench env`: steps per CPU-second.
 
 use crate::cli::BenchEnvArgs;
-use crate::host::{this_program, threads};
+use crate::host::{Program, threads};
 use crate::numbers::thousands;
 use crate::printer::Printer;
 use crate::tables::{table, text};
@@ -12,7 +12,7 @@ use rher_core::seed::{Purpose, Seed};
 use rher_envs::{AutoReset, EnvVisitor, Pool, SUBSTEPS, Simulated, Task};
 use rustix::time::{ClockId, clock_gettime};
 use serde::Serialize;
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 use std::time::{Duration, Instant};
 
 const WARM_UP: Duration = Duration::from_millis(200);
@@ -56,7 +56,11 @@ struct TogetherSpeed {
     processes: f64,
 }
 
-pub(crate) fn bench_env(args: &BenchEnvArgs, printer: Printer) -> anyhow::Result<()> {
+pub(crate) fn bench_env(
+    args: &BenchEnvArgs,
+    program: &Program,
+    printer: Printer,
+) -> anyhow::Result<()> {
     if args.one_thread {
         for task in &args.tasks {
             printer.data(&task.visit(Together { threads: 1 })?.to_string())?;
@@ -70,7 +74,7 @@ pub(crate) fn bench_env(args: &BenchEnvArgs, printer: Printer) -> anyhow::Result
         .map(|&task| {
             let mut speed = task.visit(Measure { task })?;
             if !args.tasks.is_empty() || stands_for_all(task) {
-                speed.together = Some(together(task)?);
+                speed.together = Some(together(task, program)?);
             }
             Ok(speed)
         })
@@ -136,22 +140,22 @@ impl EnvVisitor for Measure {
 }
 
 /// Measures the three ways of stepping many environments, in turn.
-fn together(task: Task) -> anyhow::Result<TogetherSpeed> {
+fn together(task: Task, program: &Program) -> anyhow::Result<TogetherSpeed> {
     let threads = threads(None);
     let (mut one_thread, mut all_threads, mut processes) = (0.0_f64, 0.0_f64, 0.0_f64);
     for _ in 0..ROUNDS {
         one_thread = one_thread.max(task.visit(Together { threads: 1 })?);
         all_threads = all_threads.max(task.visit(Together { threads })?);
-        processes = processes.max(in_processes(task, threads)?);
+        processes = processes.max(in_processes(task, threads, program)?);
     }
     Ok(TogetherSpeed { envs: TOGETHER, threads, one_thread, all_threads, processes })
 }
 
 /// The sum of what this program reaches when it runs several times at once, each on one thread.
-fn in_processes(task: Task, processes: usize) -> anyhow::Result<f64> {
-    let program = this_program()?;
+fn in_processes(task: Task, processes: usize, program: &Program) -> anyhow::Result<f64> {
     let start = |_| {
-        Command::new(&program)
+        program
+            .command()
             .args(["bench", "env", "--one-thread", "--task", task.name()])
             .stdout(Stdio::piped())
             .spawn()
