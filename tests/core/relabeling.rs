@@ -28,6 +28,7 @@ fn spec(mirrors: Vec<Mirror>, permutations: Vec<Permutation<2>>) -> EnvSpec<2> {
         tolerances: Tolerances::uniform(0.05),
         mirrors,
         permutations,
+        any_order: false,
         names: Names::default(),
     }
 }

@@ -37,6 +37,7 @@ impl<const N: usize> Magnet<N> {
                 tolerances: Tolerances::uniform(0.07),
                 mirrors: Vec::new(),
                 permutations: Vec::new(),
+                any_order: false,
                 names: Names::default(),
             },
             scene: Scene { gripper: origin, objects: [origin; N] },

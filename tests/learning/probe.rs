@@ -29,6 +29,7 @@ impl Probe {
                 tolerances: Tolerances::uniform(0.05),
                 mirrors: Vec::new(),
                 permutations: Vec::new(),
+                any_order: false,
                 names: Names::default(),
             },
             target,

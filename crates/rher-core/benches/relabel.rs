@@ -36,6 +36,7 @@ fn spec() -> EnvSpec<1> {
             action: (0..ACTION).map(same).collect(),
         }],
         permutations: Vec::new(),
+        any_order: false,
         names: Names::default(),
     }
 }

@@ -41,6 +41,10 @@ pub struct EnvSpec<const N: usize> {
     pub mirrors: Vec<Mirror>,
     /// Other orders of objects that are alike; empty where every object is of its own kind.
     pub permutations: Vec<Permutation<N>>,
+    /// Whether the task can be done in every order of its objects, so that a policy may choose one:
+    /// `false` where one object has to be in its place before another, as in a tower. It takes
+    /// `permutations` for every order.
+    pub any_order: bool,
     /// What the numbers are, for a run that starts from one of another task; empty where nobody
     /// knows.
     pub names: Names,
@@ -59,6 +63,7 @@ impl<const N: usize> EnvSpec<N> {
             tolerances: Tolerances::uniform(0.05),
             mirrors: Vec::new(),
             permutations: Vec::new(),
+            any_order: false,
             names: Names::default(),
         }
     }
@@ -119,6 +124,14 @@ impl<const N: usize> EnvSpec<N> {
             if let Err(problem) = permutation.check(self.obs_dim) {
                 return wrong(format!("permutations[{index}]"), problem.found, problem.expected);
             }
+        }
+        let orders = (1..=N).product::<usize>();
+        if self.any_order && self.permutations.len() + 1 < orders {
+            return wrong(
+                "permutations".to_owned(),
+                format!("{} orders", self.permutations.len()),
+                format!("{}, for with `any_order` a policy may choose every other one", orders - 1),
+            );
         }
         Ok(())
     }

@@ -1,6 +1,6 @@
 //! One episode, and how it is made.
 
-use crate::env::{Env, EnvError, Start};
+use crate::env::{Env, EnvError, Permutation, SignedIndex, Start};
 use crate::goal::{Achieved, Desired};
 
 /// `T + 1` frames, and the `T` actions between them.
@@ -26,6 +26,26 @@ pub struct Episode<const N: usize> {
     pub achieved: Vec<Achieved<N>>,
     /// `[T, action_dim]`, as they were carried out: each number in [−1, 1].
     pub actions: Vec<f32>,
+}
+
+impl<const N: usize> Episode<N> {
+    /// The same episode with its objects in another order.
+    #[must_use]
+    pub fn reordered(&self, permutation: &Permutation<N>) -> Self {
+        let Permutation { order, observation: images } = permutation;
+        let mut observations = vec![0.0; self.observations.len()];
+        let frames = self.observations.chunks_exact(images.len());
+        for (image, frame) in observations.chunks_exact_mut(images.len()).zip(frames) {
+            SignedIndex::apply(images, frame, image);
+        }
+        let achieved = self.achieved.iter().map(|now| Achieved(now.0.reordered(order)));
+        Self {
+            desired: self.desired.reordered(order),
+            observations,
+            achieved: achieved.collect(),
+            actions: self.actions.clone(),
+        }
+    }
 }
 
 /// What can be known when the next action is chosen.

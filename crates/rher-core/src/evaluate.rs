@@ -1,7 +1,7 @@
 //! How good a policy is: deterministic, on fixed episodes, judged at the last step.
 
 use crate::config::{EvaluationConfig, TestPolicy};
-use crate::env::{Env, SpecError};
+use crate::env::{Env, Permutation, SpecError};
 use crate::episode::{Episode, RolloutError, rollout};
 use crate::explore::ActionSource;
 use crate::explore::{ActionLog, Decision};
@@ -152,6 +152,8 @@ pub struct Played<const N: usize> {
     pub seed: u64,
     /// What happened.
     pub episode: Episode<N>,
+    /// The order of the objects that the policy chose, if not the given one.
+    pub order: Option<Permutation<N>>,
     /// The sub-tasks whose policies chose the actions: `[T]`.
     pub stages: Vec<Stage<N>>,
 }
@@ -160,8 +162,11 @@ impl<const N: usize> Played<N> {
     /// What the episode can be played again from, as number `number` of its kind, with what
     /// `critic` expects of its actions.
     pub fn script(&self, number: u64, critic: Option<&Critic>) -> ActionLog {
-        let Self { stage: goal, seed, episode, stages } = self;
-        let values = critic.map(|critic| critic.values(episode, stages));
+        let Self { stage: goal, seed, episode, order, stages } = self;
+        let values = critic.map(|critic| match order {
+            None => critic.values(episode, stages),
+            Some(order) => critic.values(&episode.reordered(order), stages),
+        });
         let decision = |(step, stage): (usize, &Stage<N>)| Decision {
             source: if stage == goal { ActionSource::Learner } else { ActionSource::Guide },
             subtask: stage.index(),
@@ -195,10 +200,14 @@ pub fn play<const N: usize>(
             TestPolicy::Mix if rng.random() => current(),
             TestPolicy::Mix | TestPolicy::Final => stage,
         };
+        if stages.is_empty() && test_policy == TestPolicy::Final {
+            actor.begin(view.achieved, view.desired)?;
+        }
         stages.push(acting);
         actor.act(acting, view.observation, view.achieved, view.desired, action)
     })?;
-    Ok(Played { stage, seed: env_seed, episode, stages })
+    let order = actor.order().filter(|_| stage == actor.task()).cloned();
+    Ok(Played { stage, seed: env_seed, episode, order, stages })
 }
 
 /// Whether the object that `stage` reaches has moved, and all before it end in their places.

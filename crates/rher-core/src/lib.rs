@@ -143,6 +143,9 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! With several objects, call [`Actor::begin`] at the beginning of an episode: where the task allows
+//! every order, the policy then chooses in which order to place them.
+//!
 //! `examples/control_loop` is a complete control loop with a fixed rate, a watchdog and action
 //! limits.
 //!

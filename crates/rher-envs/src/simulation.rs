@@ -47,6 +47,9 @@ pub trait Scenario<const N: usize>: Sized + Send + 'static {
     /// observation are about which object.
     const ALIKE: bool = false;
 
+    /// Whether objects that are alike may be placed in every order.
+    const ANY_ORDER: bool = false;
+
     /// Whether the scene in front of the hand, as an episode begins, is like that behind it, but for
     /// an arm that is stretched in one and folded in the other.
     const FRONT_LIKE_BACK: bool = false;
@@ -228,6 +231,7 @@ impl<S: Scenario<N>, const N: usize> Simulation<S, N> {
             tolerances: Tolerances { gripper: S::REACH_TOLERANCE, objects: [S::TOLERANCE; N] },
             mirrors,
             permutations,
+            any_order: S::ANY_ORDER,
             names,
         };
         Self { spec, options: options.clone(), scenario, world, layout }

@@ -19,6 +19,8 @@ use std::sync::Arc;
 pub(crate) struct Policy {
     policy: Arc<CorePolicy>,
     places: Places,
+    /// Where the episodes began that it acts in, if it was told.
+    begun: Option<Given>,
 }
 
 /// A policy file that cannot be used, on its way to Python.
@@ -52,7 +54,7 @@ impl Policy {
                  the gripper is"
             ))
         })?;
-        Ok(Self { policy: Arc::new(policy), places })
+        Ok(Self { policy: Arc::new(policy), places, begun: None })
     }
 }
 
@@ -102,7 +104,91 @@ impl Policy {
         observation: &Bound<'py, PyAny>,
         goal: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
-        let PolicyInfo { objects, obs_dim: width, action_dim: action, .. } = *self.policy.info();
+        let PolicyInfo { objects, action_dim: action, .. } = *self.policy.info();
+        let (batch, given) = self.read(observation, goal)?;
+        if let Some(begun) = &self.begun
+            && begun.goals.len() != given.goals.len()
+        {
+            let [begun, given] = [begun, &given].map(|it| it.goals.len() / (3 * objects));
+            return Err(InputError::new_err(format!(
+                "{given} rows, but {begun} episodes have begun: expected as many as `begin` was \
+                 given"
+            )));
+        }
+        let actions = unlocked(py, || match objects {
+            1 => self.act::<1>(&given),
+            2 => self.act::<2>(&given),
+            3 => self.act::<3>(&given),
+            _ => Err(too_many(objects)),
+        })??;
+        let shape = [batch, vec![action]].concat();
+        PyArray1::from_vec(py, actions).reshape(shape)
+    }
+
+    /// The policy for the episode that begins with this observation and goal, or for a batch of
+    /// them: it places objects in the order that promises most, where the task allows every order.
+    /// A policy that is called without it takes them as they are given.
+    #[pyo3(signature = (observation, goal=None))]
+    fn begin<'py>(
+        &self,
+        observation: &Bound<'py, PyAny>,
+        goal: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Self> {
+        let (_, begun) = self.read(observation, goal)?;
+        let Self { policy, places, .. } = self;
+        Ok(Self { policy: Arc::clone(policy), places: places.clone(), begun: Some(begun) })
+    }
+
+    /// What unpickling and copying do.
+    #[classmethod]
+    fn _from_bytes(
+        cls: &Bound<'_, PyType>,
+        file: &[u8],
+        begun: Option<(Vec<f32>, Vec<f32>, Option<Vec<f32>>)>,
+    ) -> PyResult<Self> {
+        let path = Path::new("a pickled policy");
+        let policy = unlocked(cls.py(), || CorePolicy::from_bytes(file, path))?;
+        let policy = Self::new(policy.map_err(PolicyFailure)?)?;
+        let begun =
+            begun.map(|(observations, goals, achieved)| Given { observations, goals, achieved });
+        Ok(Self { begun, ..policy })
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
+        let py = slf.py();
+        let file = PyBytes::new(py, &slf.get().policy.to_bytes());
+        let begun = slf.get().begun.clone();
+        let begun =
+            begun.map(|Given { observations, goals, achieved }| (observations, goals, achieved));
+        (slf.get_type().getattr("_from_bytes")?, (file, begun)).into_pyobject(py)
+    }
+
+    fn __repr__(&self) -> String {
+        let PolicyInfo { task, objects, obs_dim: observation, action_dim: action, .. } =
+            self.policy.info();
+        format!(
+            "Policy(task='{task}', objects={objects}, observation={observation}, action={action})"
+        )
+    }
+}
+
+/// What a batch of actions is chosen by.
+#[derive(Clone)]
+struct Given {
+    observations: Vec<f32>,
+    goals: Vec<f32>,
+    /// None to find it in the observations.
+    achieved: Option<Vec<f32>>,
+}
+
+impl Policy {
+    /// The shape of a batch, and its rows.
+    fn read<'py>(
+        &self,
+        observation: &Bound<'py, PyAny>,
+        goal: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<(Vec<usize>, Given)> {
+        let PolicyInfo { objects, obs_dim: width, .. } = *self.policy.info();
         let dict = observation.cast::<PyDict>().ok();
         let item = |name| match &dict {
             Some(dict) => dict.get_item(name),
@@ -132,49 +218,37 @@ impl Policy {
         };
         let goals = goals_of("goal", goal)?;
         let achieved = achieved.map(|goals| goals_of("achieved_goal", &goals)).transpose()?;
-        let given = Given { observations, goals, achieved };
-        let actions = unlocked(py, || match objects {
-            1 => self.act::<1>(&given),
-            2 => self.act::<2>(&given),
-            3 => self.act::<3>(&given),
-            _ => Err(too_many(objects)),
-        })??;
-        let shape = [batch, vec![action]].concat();
-        PyArray1::from_vec(py, actions).reshape(shape)
+        Ok((batch, Given { observations, goals, achieved }))
     }
 
-    /// What unpickling and copying do.
-    #[classmethod]
-    fn _from_bytes(cls: &Bound<'_, PyType>, file: &[u8]) -> PyResult<Self> {
-        let path = Path::new("a pickled policy");
-        let policy = unlocked(cls.py(), || CorePolicy::from_bytes(file, path))?;
-        Self::new(policy.map_err(PolicyFailure)?)
+    /// What a row says: the scene, and what is asked for.
+    fn scene<const N: usize>(
+        &self,
+        given: &Given,
+        row: usize,
+        leg: Leg,
+    ) -> PyResult<(Achieved<N>, Desired<N>)> {
+        let obs_dim = self.policy.info().obs_dim;
+        let observation = &given.observations[row * obs_dim..(row + 1) * obs_dim];
+        let goal = row * 3 * N..(row + 1) * 3 * N;
+        let desired = positions::<N>(&given.goals[goal.clone()]);
+        let at = |place: usize| positions::<1>(&observation[place..place + 3])[0];
+        let objects = match (leg, &given.achieved, &self.places.objects) {
+            // What is to be reached stays where it is.
+            (Leg::Reach, _, _) => desired,
+            (Leg::Place, Some(achieved), _) => positions::<N>(&achieved[goal]),
+            (Leg::Place, None, Some(places)) => std::array::from_fn(|i| at(places[i])),
+            (Leg::Place, None, None) => {
+                return Err(InputError::new_err(
+                    "where the objects are is not in the observation: expected the dictionary \
+                     that the environment returns",
+                ));
+            }
+        };
+        let scene = Achieved(Scene { gripper: at(self.places.gripper), objects });
+        Ok((scene, Desired::of_task(desired)))
     }
 
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
-        let py = slf.py();
-        let file = PyBytes::new(py, &slf.get().policy.to_bytes());
-        (slf.get_type().getattr("_from_bytes")?, (file,)).into_pyobject(py)
-    }
-
-    fn __repr__(&self) -> String {
-        let PolicyInfo { task, objects, obs_dim: observation, action_dim: action, .. } =
-            self.policy.info();
-        format!(
-            "Policy(task='{task}', objects={objects}, observation={observation}, action={action})"
-        )
-    }
-}
-
-/// What a batch of actions is chosen by.
-struct Given {
-    observations: Vec<f32>,
-    goals: Vec<f32>,
-    /// None to find it in the observations.
-    achieved: Option<Vec<f32>>,
-}
-
-impl Policy {
     /// The actions of the last sub-task, row by row.
     fn act<const N: usize>(&self, given: &Given) -> PyResult<Vec<f32>> {
         let PolicyInfo { obs_dim, action_dim, subtasks, .. } = *self.policy.info();
@@ -185,25 +259,13 @@ impl Policy {
         let mut actions = vec![0.0; given.observations.len() / obs_dim * action_dim];
         for (row, action) in actions.chunks_exact_mut(action_dim).enumerate() {
             let observation = &given.observations[row * obs_dim..(row + 1) * obs_dim];
-            let goal = row * 3 * N..(row + 1) * 3 * N;
-            let desired = positions::<N>(&given.goals[goal.clone()]);
-            let at = |place: usize| positions::<1>(&observation[place..place + 3])[0];
-            let objects = match (stage.leg(), &given.achieved, &self.places.objects) {
-                // What is to be reached stays where it is.
-                (Leg::Reach, _, _) => desired,
-                (Leg::Place, Some(achieved), _) => positions::<N>(&achieved[goal]),
-                (Leg::Place, None, Some(places)) => std::array::from_fn(|i| at(places[i])),
-                (Leg::Place, None, None) => {
-                    return Err(InputError::new_err(
-                        "where the objects are is not in the observation: expected the dictionary \
-                         that the environment returns",
-                    ));
-                }
-            };
-            let scene = Achieved(Scene { gripper: at(self.places.gripper), objects });
-            actor
-                .act(stage, observation, &scene, &Desired::of_task(desired), action)
-                .map_err(|error| InputError::new_err(format!("row {row}: {}", told(&error))))?;
+            let told = |error| InputError::new_err(format!("row {row}: {}", told(&error)));
+            if let Some(begun) = &self.begun {
+                let (start, desired) = self.scene::<N>(begun, row, stage.leg())?;
+                actor.begin(&start, &desired).map_err(told)?;
+            }
+            let (scene, desired) = self.scene::<N>(given, row, stage.leg())?;
+            actor.act(stage, observation, &scene, &desired, action).map_err(told)?;
         }
         Ok(actions)
     }

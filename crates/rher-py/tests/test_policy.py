@@ -52,6 +52,20 @@ def test_a_batch_is_its_rows(name, path):
     assert np.array_equal(envs.step(actions)[0]["desired_goal"], observations["desired_goal"])
 
 
+def test_a_policy_that_begins_an_episode_takes_rows_of_it_alone(path):
+    policy = rher.Policy.load(path("dpush"))
+    envs = gymnasium.make_vec("rher/DPush-v0", num_envs=3)
+    observations, _ = envs.reset(seed=0)
+    begun = policy.begin(observations)
+    assert np.array_equal(begun(observations), policy(observations)), "nothing learned to choose by"
+    again = pickle.loads(pickle.dumps(begun))
+    assert np.array_equal(again(observations), begun(observations))
+    two = {key: value[:2] for key, value in observations.items()}
+    for other in (begun, again):
+        with pytest.raises(ValueError, match="2 rows, but 3 episodes have begun"):
+            other(two)
+
+
 def test_goals_matter(path):
     policy = rher.Policy.load(path("push"))
     observation, _ = gymnasium.make("rher/Push-v0").reset(seed=0)

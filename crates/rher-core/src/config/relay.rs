@@ -100,6 +100,14 @@ settings! {
             paper: ObjectOrder::Relay,
             fast: ObjectOrder::Turn,
         }
+        /// Whether evaluations and deployed policies choose in which order objects are placed, in
+        /// tasks that allow every order: a linear model of distances, fitted to how the latest
+        /// episodes ended, predicts which order succeeds. Not in the paper.
+        #[serde(default, with = "crate::since_6")]
+        pub choose_order: bool {
+            paper: false,
+            fast: true,
+        }
         /// Probability that a transition is replayed as its mirror image, in scenes that have
         /// planes of symmetry: data augmentation. Not in the paper.
         pub mirror: f32 {

@@ -2,6 +2,7 @@
 
 use super::fine_scale::FineScale;
 use super::normalize::{CLIP, Normalizer};
+use super::order::OrderModel;
 use super::turns::{self, Turns};
 use crate::config::{GoalFrame, ObjectOrder, RelayConfig};
 use crate::env::EnvSpec;
@@ -31,6 +32,9 @@ pub struct InputEncoder {
     turns: Option<Turns>,
     #[serde(default, with = "crate::since_6")]
     fine_scale: Option<FineScale>,
+    /// Which order of the objects is taken, where it has been learned.
+    #[serde(default, with = "crate::since_6")]
+    order: Option<OrderModel>,
 }
 
 impl InputEncoder {
@@ -45,7 +49,19 @@ impl InputEncoder {
             slots: vec![Normalizer::new(3); N + 1],
             turns: turns.flatten(),
             fine_scale: config.fine_scale.then(|| FineScale::new(&tolerances)),
+            order: None,
         }
+    }
+
+    /// Which order of the objects promises most, where it has been learned.
+    pub(crate) fn order(&self) -> Option<&OrderModel> {
+        self.order.as_ref()
+    }
+
+    /// Has the order of the objects chosen by `order`, or left as it is given.
+    #[cfg(feature = "train")]
+    pub(crate) fn set_order(&mut self, order: Option<OrderModel>) {
+        self.order = order;
     }
 
     /// Numbers in a row.
@@ -115,6 +131,9 @@ impl InputEncoder {
         }
         if !self.fine_scale.as_ref().is_none_or(|it| it.fits(self.objects())) {
             return Err("the tolerances of its fine scale do not fit its goals".to_owned());
+        }
+        if !self.order.as_ref().is_none_or(|it| it.fits(self.observation(), self.objects())) {
+            return Err("the choice of an order does not fit its objects".to_owned());
         }
         Ok(())
     }

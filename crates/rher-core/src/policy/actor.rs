@@ -2,7 +2,7 @@
 
 use super::info::{Mismatch, PolicyInfo};
 use super::model::Policy;
-use crate::env::EnvSpec;
+use crate::env::{EnvSpec, Permutation, SignedIndex};
 use crate::episode::ActError;
 use crate::goal::{Achieved, Desired, EncodedGoal, Position, Stage};
 use crate::learner::infer::Inference;
@@ -30,6 +30,8 @@ impl Policy {
         Ok(Actor {
             policy: self,
             task: self.info.last_stage()?,
+            order: None,
+            reordered: vec![0.0; self.info.obs_dim],
             input: vec![0.0; self.encoder.width()],
             inference: Inference::new(&self.shape),
         })
@@ -41,6 +43,10 @@ impl Policy {
 pub struct Actor<'a, const N: usize> {
     policy: &'a Policy,
     task: Stage<N>,
+    /// The order that the whole task is done in, if it is not the given one.
+    order: Option<Permutation<N>>,
+    /// An observation in that order.
+    reordered: Vec<f32>,
     input: Vec<f32>,
     inference: Inference,
 }
@@ -49,6 +55,26 @@ impl<const N: usize> Actor<'_, N> {
     /// The stage that ends the task: what a deployed policy acts for.
     pub fn task(&self) -> Stage<N> {
         self.task
+    }
+
+    /// Begins an episode of the whole task in this scene, and chooses in which order the objects are
+    /// placed, where the policy has learned to choose: from here on [`Actor::act`] keeps to it.
+    ///
+    /// Without this call, objects are placed in the order in which they are given.
+    ///
+    /// # Errors
+    ///
+    /// When a position is not finite; the order of before is then kept.
+    pub fn begin(&mut self, achieved: &Achieved<N>, desired: &Desired<N>) -> Result<(), ActError> {
+        check_scene(achieved, desired)?;
+        let model = self.policy.encoder.order();
+        self.order = model.and_then(|model| model.choose(achieved, desired));
+        Ok(())
+    }
+
+    /// The order that was chosen for this episode; `None` where it is the given one.
+    pub fn order(&self) -> Option<&Permutation<N>> {
+        self.order.as_ref()
     }
 
     /// Writes the action of the policy for the sub-task that ends with `stage`: the one network,
@@ -75,11 +101,20 @@ impl<const N: usize> Actor<'_, N> {
         check_length("observation", obs_dim, observation.len())?;
         check_length("action", action_dim, action.len())?;
         check_numbers("observation", observation)?;
-        check_positions("achieved", achieved.0.places())?;
-        check_positions("desired", desired.objects().iter().copied())?;
+        check_scene(achieved, desired)?;
 
-        let goal = EncodedGoal::new(stage, achieved, desired);
-        encoder.write(observation, achieved, &goal, &mut self.input);
+        match self.order.as_ref().filter(|_| stage == self.task) {
+            None => {
+                let goal = EncodedGoal::new(stage, achieved, desired);
+                encoder.write(observation, achieved, &goal, &mut self.input);
+            }
+            Some(Permutation { order, observation: images }) => {
+                SignedIndex::apply(images, observation, &mut self.reordered);
+                let achieved = Achieved(achieved.0.reordered(order));
+                let goal = EncodedGoal::new(stage, &achieved, &desired.reordered(order));
+                encoder.write(&self.reordered, &achieved, &goal, &mut self.input);
+            }
+        }
         self.inference.act(parameters, &self.input, action);
         check_numbers("action", action)
     }
@@ -94,6 +129,14 @@ fn check_numbers(field: &'static str, numbers: &[f32]) -> Result<(), ActError> {
         Some(index) => Err(ActError::NotFinite { field, index, value: numbers[index] }),
         None => Ok(()),
     }
+}
+
+fn check_scene<const N: usize>(
+    achieved: &Achieved<N>,
+    desired: &Desired<N>,
+) -> Result<(), ActError> {
+    check_positions("achieved", achieved.0.places())?;
+    check_positions("desired", desired.objects().iter().copied())
 }
 
 fn check_positions(

@@ -133,6 +133,24 @@ impl<const N: usize> Replay<N> {
             .map(|index| self.episode((index % self.capacity as u64) as usize))
     }
 
+    /// The first and the last scene of the `count` episodes stored last, oldest first, and what was
+    /// asked for in them.
+    ///
+    /// # Panics
+    ///
+    /// If fewer are stored.
+    pub fn newest_ends(
+        &self,
+        count: usize,
+    ) -> impl Iterator<Item = ([Achieved<N>; 2], &Desired<N>)> {
+        assert!(count <= self.episodes(), "{count} of {} episodes", self.episodes());
+        (self.pushed - count as u64..self.pushed).map(|index| {
+            let slot = (index % self.capacity as u64) as usize;
+            let ends = [0, self.steps].map(|step| self.scene(StepIndex { slot, step }));
+            (ends, &self.desired[slot])
+        })
+    }
+
     fn episode(&self, slot: usize) -> Episode<N> {
         let frames = || (0..=self.steps).map(move |step| StepIndex { slot, step });
         Episode {

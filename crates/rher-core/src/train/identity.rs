@@ -30,7 +30,8 @@ pub fn run_id(config: &TrainConfig, variant: &str) -> RunId {
 
 /// Settings that came after the identity did, with the value of every run from before: as if they
 /// were not there, so that such a run keeps its identity.
-const LATER: [(&str, &str); 2] = [("relay.fine_scale", "false"), ("relay.redraw_met", "0.0")];
+const LATER: [(&str, &str); 3] =
+    [("relay.fine_scale", "false"), ("relay.redraw_met", "0.0"), ("relay.choose_order", "false")];
 
 struct Lines(Sha256);
 

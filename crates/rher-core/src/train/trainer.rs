@@ -19,8 +19,8 @@ use crate::evaluate::{Evaluation, evaluate};
 use crate::event::{Event, Observer, Progress, Seconds};
 use crate::explore::{ActionLog, Curriculum, Decision, Explorer, Selection};
 use crate::files::FileError;
-use crate::goal::Stage;
-use crate::input::InputEncoder;
+use crate::goal::{EncodedGoal, Stage};
+use crate::input::{Attempt, InputEncoder, OrderModel};
 use crate::learner::engine::Engine;
 use crate::learner::engines;
 use crate::learner::network::Shape;
@@ -36,6 +36,10 @@ use std::ops::Range;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
+
+/// Latest episodes that tell which order of the objects succeeds: as many as the weights need, and
+/// few enough to be of the policy as it is.
+const ORDER_EPISODES: usize = 2000;
 
 /// A run of relay hindsight experience replay.
 ///
@@ -463,13 +467,7 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
         if target_every == TargetEvery::Episode {
             self.engine.move_targets();
         }
-        self.policy = Policy::new(
-            self.state.info.clone(),
-            self.state.encoder.clone(),
-            self.actor_shape.clone(),
-            self.engine.actor(),
-        )
-        .of_run(self.id);
+        self.policy = self.frozen();
         Ok(())
     }
 
@@ -479,8 +477,34 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
         now / every > (now - episodes) / every || *env_steps >= config.env_steps
     }
 
+    /// Learns from the latest episodes which order of the objects to choose.
+    fn learn_order(&mut self) {
+        let spec = self.envs[0].spec();
+        if !self.state.config.relay.choose_order || !OrderModel::applies(spec) {
+            return;
+        }
+        let latest = self.replay.newest_ends(self.replay.episodes().min(ORDER_EPISODES));
+        let attempts = latest.map(|([start, end], desired)| Attempt {
+            start,
+            desired: *desired,
+            success: EncodedGoal::new(spec.last_stage(), &end, desired)
+                .is_met(&end, &spec.tolerances),
+        });
+        let order = OrderModel::fit(spec, attempts);
+        self.state.encoder.set_order(order);
+        self.policy = self.frozen();
+    }
+
+    /// The policy of the networks and statistics as they are now.
+    fn frozen(&self) -> Policy {
+        let RunState { info, encoder, .. } = &self.state;
+        let shape = self.actor_shape.clone();
+        Policy::new(info.clone(), encoder.clone(), shape, self.engine.actor()).of_run(self.id)
+    }
+
     fn evaluate(&mut self) -> Result<Evaluation, TrainError> {
         let started = Instant::now();
+        self.learn_order();
         let TrainConfig { evaluation, exploration, .. } = &self.state.config;
         let (envs, policy) = (&mut self.envs, &self.policy);
         let evaluation = self

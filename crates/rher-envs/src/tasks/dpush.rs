@@ -27,6 +27,7 @@ impl Scenario<2> for DPush {
     const FRONT_LIKE_BACK: bool = true;
     const EPISODE_STEPS: usize = 60;
     const ALIKE: bool = true;
+    const ANY_ORDER: bool = true;
 
     fn build() -> (Self, World) {
         let (blocks, world) = Blocks::build(Fingers::Locked, ON_TABLE);

@@ -25,6 +25,7 @@ impl Scenario<3> for TPush {
     const FRONT_LIKE_BACK: bool = true;
     const EPISODE_STEPS: usize = 70;
     const ALIKE: bool = true;
+    const ANY_ORDER: bool = true;
 
     fn build() -> (Self, World) {
         let (blocks, world) = Blocks::build(Fingers::Locked, ON_TABLE);

@@ -122,6 +122,18 @@ class Policy:
         :return: numbers within -1 and 1, ``(action_width,)`` or ``(batch, action_width)``.
         """
 
+    def begin(
+        self,
+        observation: npt.ArrayLike | dict[str, npt.ArrayLike],
+        goal: npt.ArrayLike | None = None,
+    ) -> Policy:
+        """The policy for the episode that begins here, or for a batch of episodes.
+
+        It places objects in the order that promises most, where the task allows every order; a
+        policy that is called without ``begin`` takes them as they are given. Arguments are those of
+        a call.
+        """
+
 @final
 class Trainer:
     """A run and its folder."""
