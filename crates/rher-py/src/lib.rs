@@ -9,6 +9,7 @@ mod any_env;
 mod any_pool;
 mod any_trainer;
 mod arrays;
+mod command;
 mod env;
 mod error;
 mod foreign;
@@ -27,6 +28,8 @@ use pyo3::prelude::*;
 /// Compiled half of `rher`; use the package itself.
 #[pymodule]
 mod _rher {
+    #[pymodule_export]
+    use super::command::main;
     #[pymodule_export]
     use super::env::Env;
     #[cfg(feature = "measure")]

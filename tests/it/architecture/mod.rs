@@ -16,7 +16,7 @@ const CRATES: [(&str, &[&str]); 6] = [
     ("rher-runs", &["rher_core", "rher_envs"]),
     ("rher-record", &["rher_core", "rher_envs"]),
     ("rher-cli", &["rher_core", "rher_envs", "rher_runs", "rher_record"]),
-    ("rher-py", &["rher_core", "rher_envs", "rher_runs"]),
+    ("rher-py", &["rher_core", "rher_envs", "rher_runs", "rher_cli"]),
 ];
 
 /// The only files with `unsafe` code.

@@ -14,6 +14,9 @@ _Path = str | os.PathLike[str]
 def tasks() -> list[str]:
     """Names of the tasks, the simplest first."""
 
+def main(arguments: Sequence[str], interpreter: _Path, program: Sequence[str]) -> int:
+    """Does what a command line says; returns the exit status."""
+
 def run_settings(folder: _Path) -> str:
     """The settings of a run, as JSON."""
 
