@@ -131,7 +131,8 @@ fn a_run_of_one_engine_goes_on_with_the_other() {
         let mut trainer = Trainer::new(config, envs(1), 1).unwrap();
         run_until(folder.path(), &mut trainer, 15);
         let before = trainer.policy().clone();
-        let mut trainer = Trainer::resume_on(second, folder.path(), envs(1), 1).unwrap();
+        let mut trainer =
+            Trainer::resume_on(Some(second), None, folder.path(), envs(1), 1).unwrap();
         assert_eq!(trainer.policy(), &before);
         run_until(folder.path(), &mut trainer, 30);
         assert_ne!(trainer.policy(), &before);
@@ -139,6 +140,43 @@ fn a_run_of_one_engine_goes_on_with_the_other() {
         assert_eq!(resumed.config().agent.engine, second);
         assert_eq!(resumed.policy(), trainer.policy());
     }
+}
+
+#[cfg(feature = "fused")]
+#[test]
+fn a_run_of_one_precision_goes_on_with_the_other_when_that_is_asked() {
+    use rher_core::config::Precision::{Bf16, F32};
+    for (first, second) in [(F32, Bf16), (Bf16, F32)] {
+        let folder = tempfile::tempdir().unwrap();
+        let mut config = config();
+        config.agent.precision = first;
+        let mut trainer = Trainer::new(config, envs(1), 1).unwrap();
+        run_until(folder.path(), &mut trainer, 15);
+        let before = trainer.policy().clone();
+        let unasked = Trainer::resume(folder.path(), envs(1), 1).unwrap();
+        assert_eq!(unasked.config().agent.precision, first);
+        let mut trainer =
+            Trainer::resume_on(None, Some(second), folder.path(), envs(1), 1).unwrap();
+        assert_eq!(trainer.policy(), &before);
+        run_until(folder.path(), &mut trainer, 30);
+        let resumed = Trainer::resume(folder.path(), envs(1), 1).unwrap();
+        assert_eq!(resumed.config().agent.precision, second);
+        assert_eq!(resumed.policy(), trainer.policy());
+    }
+}
+
+#[cfg(all(feature = "burn", feature = "fused"))]
+#[test]
+fn a_run_cannot_go_on_with_a_precision_that_its_engine_lacks() {
+    use rher_core::config::{EngineKind, Precision};
+    let folder = tempfile::tempdir().unwrap();
+    let mut config = config();
+    config.agent.precision = Precision::Bf16;
+    let mut trainer = Trainer::new(config, envs(1), 1).unwrap();
+    run_until(folder.path(), &mut trainer, 15);
+    let resumed = Trainer::resume_on(Some(EngineKind::Burn), None, folder.path(), envs(1), 1);
+    let error = resumed.err().unwrap().to_string();
+    assert!(error.contains("`agent.precision` is bf16, expected `f32`"), "{error}");
 }
 
 #[cfg(not(all(feature = "burn", feature = "fused")))]

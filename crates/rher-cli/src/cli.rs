@@ -4,11 +4,11 @@ use crate::exit_code::Status;
 use crate::plot::{Clock, Measure};
 use crate::printer::Verbosity;
 use crate::values::{
-    Assignment, Axis, ExperimentName, Seeds, engine, episodes, method, or_help, picture, preset,
-    rate, recording, task, toml_integer, workers,
+    Assignment, Axis, ExperimentName, Seeds, engine, episodes, method, or_help, picture, precision,
+    preset, rate, recording, task, toml_integer, workers,
 };
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use rher_core::config::{EngineKind, Method, Preset};
+use rher_core::config::{EngineKind, Method, Precision, Preset};
 use rher_envs::Task;
 use rher_record::export::DatasetId;
 use rher_runs::Asked;
@@ -147,7 +147,7 @@ pub(crate) struct TrainArgs {
     /// Resume the run in this folder, as if it had never stopped
     ///
     /// The settings come from the checkpoint; only --workers, --quiet, --record-every,
-    /// --tensorboard, --engine, --env-steps and --until may be given with it.
+    /// --tensorboard, --engine, --precision, --env-steps and --until may be given with it.
     #[arg(
         long,
         value_name = "DIR",
@@ -290,6 +290,10 @@ pub(crate) struct SettingsArgs {
     /// Compute engine of the networks
     #[arg(long, value_parser = engine(), value_name = "NAME")]
     pub(crate) engine: Option<EngineKind>,
+
+    /// Precision of the networks' matrix products
+    #[arg(long, value_parser = precision(), value_name = "NAME")]
+    pub(crate) precision: Option<Precision>,
 
     /// Number of environments that step side by side between updates; it changes the result
     ///
@@ -554,6 +558,10 @@ pub(crate) struct BenchUpdateArgs {
     #[arg(long, value_parser = engine(), value_name = "NAME")]
     pub(crate) engine: Option<EngineKind>,
 
+    /// Precision to measure; may be repeated [default: f32]
+    #[arg(long = "precision", value_parser = precision(), value_name = "NAME")]
+    pub(crate) precisions: Vec<Precision>,
+
     /// Print JSON: an array with one object per row
     #[arg(long)]
     pub(crate) json: bool,
@@ -561,8 +569,18 @@ pub(crate) struct BenchUpdateArgs {
 
 impl From<&SettingsArgs> for Asked {
     fn from(args: &SettingsArgs) -> Self {
-        let SettingsArgs { preset, config, set, method, seed, env_steps, until, engine, envs } =
-            args;
+        let SettingsArgs {
+            preset,
+            config,
+            set,
+            method,
+            seed,
+            env_steps,
+            until,
+            engine,
+            precision,
+            envs,
+        } = args;
         let set = set.iter().map(|Assignment { key, value }| (key.clone(), value.clone()));
         Self {
             preset: *preset,
@@ -573,6 +591,7 @@ impl From<&SettingsArgs> for Asked {
             env_steps: *env_steps,
             until: *until,
             engine: *engine,
+            precision: *precision,
             envs: *envs,
         }
     }

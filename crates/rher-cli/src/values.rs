@@ -5,7 +5,7 @@ use clap::builder::{
     PathBufValueParser, PossibleValue, PossibleValuesParser, RangedU64ValueParser,
     StringValueParser, TypedValueParser, ValueParser,
 };
-use rher_core::config::{EngineKind, Kind, Method, Preset, Value};
+use rher_core::config::{EngineKind, Kind, Method, Precision, Preset, Value};
 use rher_envs::Task;
 use std::ffi::OsStr;
 use std::marker::PhantomData;
@@ -161,6 +161,10 @@ pub(crate) fn method() -> ValueParser {
 
 pub(crate) fn engine() -> ValueParser {
     named(EngineKind::AVAILABLE, EngineKind::name)
+}
+
+pub(crate) fn precision() -> ValueParser {
+    named(Precision::ALL, Precision::name)
 }
 
 /// Takes the name of one of `all`, whose help is the first paragraph of its documentation.

@@ -50,8 +50,8 @@ impl Arguments {
         let Self { preset, config, set, method, seed, env_steps, until } =
             serde_json::from_str(json).map_err(|error| SettingsError::new_err(told(&error)))?;
         let set = set.into_iter().collect();
-        let (engine, envs) = (None, None);
-        Ok(Asked { preset, config, set, method, seed, env_steps, until, engine, envs })
+        let (engine, precision, envs) = (None, None, None);
+        Ok(Asked { preset, config, set, method, seed, env_steps, until, engine, precision, envs })
     }
 }
 

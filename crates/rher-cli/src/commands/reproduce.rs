@@ -67,6 +67,7 @@ impl Case {
             env_steps: Some(args.runs.env_steps.unwrap_or(self.env_steps)),
             until: Some(self.until),
             engine: None,
+            precision: None,
             envs: self.envs,
         };
         let settings = settings::resolve_here(self.task, &(&asked).into())?;

@@ -49,6 +49,7 @@ fn grid(args: &SweepArgs) -> anyhow::Result<Vec<Job>> {
             env_steps: args.runs.env_steps,
             until: args.until,
             engine: None,
+            precision: None,
             envs: None,
         };
         let settings = settings::resolve_here(args.task, &(&asked).into())?;

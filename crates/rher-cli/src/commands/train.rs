@@ -9,7 +9,7 @@ use crate::numbers::{duration, percent, thousands};
 use crate::observe::{EventFile, ProgressView, Recorder, Watch};
 use crate::printer::Printer;
 use crate::trained::made_with;
-use rher_core::config::{EngineKind, TrainConfig};
+use rher_core::config::{EngineKind, Precision, TrainConfig};
 use rher_core::event::{Event, Metrics, Progress, Seconds};
 use rher_core::train::checkpoint;
 use rher_core::train::{Finish, Pretrained, Trainer};
@@ -77,8 +77,8 @@ fn go_on(path: &Path, settings: &SettingsArgs, how: How) -> anyhow::Result<Statu
     let config = checkpoint::read_config(path)?;
     let name = config.task.clone();
     let task: Task = name.parse().map_err(|_| ForeignTask { name })?;
-    let SettingsArgs { env_steps, until, engine, .. } = *settings;
-    let start = Start::Resumed { folder, env_steps, until, engine };
+    let SettingsArgs { env_steps, until, engine, precision, .. } = *settings;
+    let start = Start::Resumed { folder, env_steps, until, engine, precision };
     let options = made_with(&checkpoint::read_variant(path)?, task)?;
     task.visit_with(&options, Session { config, start, how })?
 }
@@ -93,12 +93,13 @@ struct Session {
 enum Start {
     /// In a folder that is not there yet, perhaps from another run.
     New { path: PathBuf, pretrained: Option<Box<Pretrained>> },
-    /// From the checkpoint, with another end or engine if they are given.
+    /// From the checkpoint, with another end or arithmetic if they are given.
     Resumed {
         folder: RunDir,
         env_steps: Option<u64>,
         until: Option<f32>,
         engine: Option<EngineKind>,
+        precision: Option<Precision>,
     },
 }
 
@@ -121,12 +122,19 @@ impl EnvVisitor for Session {
                 let metrics = MetricsFile::create(&folder.metrics(), trainer.id())?;
                 (folder, trainer, metrics)
             }
-            Start::Resumed { folder, env_steps, until, engine } => {
+            Start::Resumed { folder, env_steps, until, engine, precision } => {
+                let before = config.agent.precision;
                 let path = folder.path();
-                let mut trainer = match engine {
-                    Some(engine) => Trainer::resume_on(engine, path, envs, workers)?,
-                    None => Trainer::resume(path, envs, workers)?,
-                };
+                let mut trainer = Trainer::resume_on(engine, precision, path, envs, workers)?;
+                let after = trainer.config().agent.precision;
+                if after != before {
+                    printer.note(format_args!(
+                        "from here on the precision is `{}`; the run had `{}`, with which it would \
+                         not learn the same",
+                        after.name(),
+                        before.name()
+                    ));
+                }
                 if let Some(env_steps) = env_steps {
                     trainer.set_env_steps(env_steps);
                 }

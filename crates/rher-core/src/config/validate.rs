@@ -1,6 +1,6 @@
 //! Checks that settings are in their ranges.
 
-use super::{TrainConfig, VERSION};
+use super::{EngineKind, Precision, TrainConfig, VERSION};
 use crate::setting::{Setting, SettingVisitor, Value};
 
 /// A setting is outside its range.
@@ -40,6 +40,17 @@ impl TrainConfig {
             });
         }
         self.visit(&mut Ranges)?;
+        if (self.agent.engine, self.agent.precision) == (EngineKind::Burn, Precision::Bf16) {
+            return Err(ConfigError {
+                key: "agent.precision",
+                value: Precision::Bf16.name().into(),
+                expected:
+                    "`f32` with the engine `burn`, which has no other; the engine `fused` has \
+                           both"
+                        .into(),
+                depends_on: Some("agent.engine"),
+            });
+        }
         let exploration = &self.exploration;
         if exploration.guide + exploration.random > 1.0 + f32::EPSILON {
             return Err(ConfigError {

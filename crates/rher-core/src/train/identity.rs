@@ -6,7 +6,7 @@ use crate::setting::{Setting, SettingVisitor, Value};
 use sha2::{Digest as _, Sha256};
 
 /// What may change when a run is resumed.
-const NOT_HASHED: [&str; 3] = ["env_steps", "until", "agent.engine"];
+const NOT_HASHED: [&str; 4] = ["env_steps", "until", "agent.engine", "agent.precision"];
 
 /// The identity of a run with these settings, in environments that were made with `variant`.
 ///
@@ -59,7 +59,7 @@ impl SettingVisitor for Lines {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::config::{EngineKind, Preset, StartedFrom};
+    use crate::config::{EngineKind, Precision, Preset, StartedFrom};
 
     #[test]
     fn a_run_is_known_by_its_settings_and_its_seed() {
@@ -70,6 +70,7 @@ mod tests {
         longer.env_steps += 1;
         longer.until = 0.5;
         longer.agent.engine = EngineKind::Burn;
+        longer.agent.precision = Precision::Bf16;
         assert_eq!(run_id(&longer, ""), id);
 
         let mut other = config();

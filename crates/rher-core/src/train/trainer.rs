@@ -11,7 +11,7 @@ use super::state::RunState;
 use super::tally::{SourceCounts, Tally};
 use crate::batch::Batch;
 use crate::config::{
-    AgentConfig, BatchMode, EngineKind, Method, ReplayConfig, TargetEvery, TrainConfig,
+    AgentConfig, BatchMode, EngineKind, Method, Precision, ReplayConfig, TargetEvery, TrainConfig,
 };
 use crate::env::{Env, EnvSpec};
 use crate::episode::Episode;
@@ -162,17 +162,27 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
         Self::restore(folder, state, learner, envs, workers)
     }
 
-    /// Resumes the run whose folder is `folder` on another engine than it had.
+    /// Resumes the run whose folder is `folder` with another arithmetic than it had, where one is
+    /// given.
     ///
-    /// What follows differs from what the other engine would compute by rounding alone.
+    /// What follows differs from what would have followed by rounding alone, to 16 bits where the
+    /// precision is [`Precision::Bf16`].
+    ///
+    /// # Errors
+    ///
+    /// Also when the engine does not have the precision.
     pub fn resume_on(
-        engine: EngineKind,
+        engine: Option<EngineKind>,
+        precision: Option<Precision>,
         folder: &Path,
         envs: Vec<E>,
         workers: usize,
     ) -> Result<Self, TrainError> {
         let (mut state, learner) = checkpoint::read_state(folder)?;
-        state.config.agent.engine = engine;
+        let agent = &mut state.config.agent;
+        agent.engine = engine.unwrap_or(agent.engine);
+        agent.precision = precision.unwrap_or(agent.precision);
+        state.config.validate()?;
         Self::restore(folder, state, learner, envs, workers)
     }
 

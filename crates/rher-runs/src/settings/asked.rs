@@ -1,6 +1,6 @@
 //! What settings are, and which of them a user asks for.
 
-use rher_core::config::{EngineKind, Method, Preset, TrainConfig};
+use rher_core::config::{EngineKind, Method, Precision, Preset, TrainConfig};
 use rher_envs::Options;
 use std::path::PathBuf;
 use toml::Value;
@@ -33,6 +33,8 @@ pub struct Asked {
     pub until: Option<f32>,
     /// Compute engine of the networks.
     pub engine: Option<EngineKind>,
+    /// Precision of the networks' matrix products.
+    pub precision: Option<Precision>,
     /// Environments stepped side by side.
     pub envs: Option<u64>,
 }

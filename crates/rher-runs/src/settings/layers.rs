@@ -39,8 +39,18 @@ impl Layers {
         file: Option<ConfigFile>,
         asked: &Asked,
     ) -> Result<(), SettingsError> {
-        let Asked { preset: _, config: _, set, method, seed, env_steps, until, engine, envs } =
-            asked;
+        let Asked {
+            preset: _,
+            config: _,
+            set,
+            method,
+            seed,
+            env_steps,
+            until,
+            engine,
+            precision,
+            envs,
+        } = asked;
         if let Some(file) = file {
             self.set_all(&file)?;
         }
@@ -59,6 +69,7 @@ impl Layers {
             ("env_steps", "--env-steps", whole("env_steps", "--env-steps", env_steps)?),
             ("until", "--until", until.map(|rate| Value::Float(rate.into()))),
             ("agent.engine", "--engine", engine.map(|engine| engine.name().into())),
+            ("agent.precision", "--precision", precision.map(|it| it.name().into())),
             ("envs", "--envs", whole("envs", "--envs", envs)?),
         ];
         for (key, option, value) in options {

@@ -5,12 +5,13 @@ use crate::flops;
 use crate::numbers::percent;
 use crate::printer::Printer;
 use crate::tables::{table, text};
+use anyhow::bail;
 use cpu_time::ProcessTime;
 use rand::RngExt as _;
 use rand_distr::StandardNormal;
 use rayon::ThreadPoolBuilder;
 use rher_core::batch::Batch;
-use rher_core::config::{AgentConfig, EngineKind, Preset};
+use rher_core::config::{AgentConfig, EngineKind, Precision, Preset};
 use rher_core::learner::engines;
 use rher_core::learner::state::LearnerState;
 use rher_core::seed::{Purpose, Seed};
@@ -34,6 +35,7 @@ struct UpdateSpeed {
     batch: usize,
     inputs: usize,
     engine: &'static str,
+    precision: &'static str,
     threads: usize,
     /// Median on the wall clock.
     ms_per_update: f64,
@@ -49,17 +51,24 @@ struct UpdateSpeed {
 }
 
 pub(crate) fn bench_update(args: &BenchUpdateArgs, printer: Printer) -> anyhow::Result<()> {
-    let BenchUpdateArgs { batches, inputs, threads, engine, json } = args;
+    let BenchUpdateArgs { batches, inputs, threads, engine, precisions, json } = args;
     let engines = match engine {
         Some(engine) => vec![*engine],
         None => EngineKind::AVAILABLE.to_vec(),
     };
+    if precisions.contains(&Precision::Bf16) && engines.contains(&EngineKind::Burn) {
+        bail!("the engine `burn` has no precision `bf16`: choose `--engine fused`");
+    }
+    let precisions = if precisions.is_empty() { &[Precision::F32][..] } else { precisions };
     let mut speeds = Vec::new();
     for engine in engines {
         for batch in chosen(batches, &BATCHES) {
             for inputs in chosen(inputs, &INPUTS) {
                 for threads in chosen(threads, &THREADS) {
-                    speeds.push(measure(engine, batch, inputs, threads)?);
+                    for &precision in precisions {
+                        let agent = Agent { engine, precision };
+                        speeds.push(measure(agent, batch, inputs, threads)?);
+                    }
                 }
             }
         }
@@ -71,6 +80,7 @@ pub(crate) fn bench_update(args: &BenchUpdateArgs, printer: Printer) -> anyhow::
     let mut listing = table();
     listing.set_header([
         "engine",
+        "precision",
         "batch",
         "inputs",
         "threads",
@@ -83,6 +93,7 @@ pub(crate) fn bench_update(args: &BenchUpdateArgs, printer: Printer) -> anyhow::
     for speed in speeds {
         listing.add_row([
             speed.engine.to_owned(),
+            speed.precision.to_owned(),
             speed.batch.to_string(),
             speed.inputs.to_string(),
             speed.threads.to_string(),
@@ -105,16 +116,23 @@ fn chosen(asked: &[NonZeroUsize], default: &[usize]) -> Vec<usize> {
     }
 }
 
+/// What computes an update.
+#[derive(Clone, Copy)]
+struct Agent {
+    engine: EngineKind,
+    precision: Precision,
+}
+
 /// Times updates of the `fast` preset's learner, with networks of the published size, on random
 /// rows.
 fn measure(
-    engine: EngineKind,
+    Agent { engine, precision }: Agent,
     batch: usize,
     inputs: usize,
     threads: usize,
 ) -> anyhow::Result<UpdateSpeed> {
     let preset = Preset::Fast.config("bench", 1).agent;
-    let config = AgentConfig { engine, hidden: vec![256; 3], ..preset };
+    let config = AgentConfig { engine, precision, hidden: vec![256; 3], ..preset };
     let state = LearnerState::new(&config, inputs, ACTION, &mut Seed(0).stream(Purpose::Init, 0));
 
     let mut rng = Seed(0).stream(Purpose::Batch, 0);
@@ -139,7 +157,7 @@ fn measure(
         }
         Ok(seconds)
     };
-    let peak = peak(threads);
+    let peak = peak(precision, threads);
     let pool = ThreadPoolBuilder::new().num_threads(threads).build()?;
     let (mut seconds, cpu) = pool.install(|| -> anyhow::Result<_> {
         time(WARM_UP)?;
@@ -154,6 +172,7 @@ fn measure(
         batch,
         inputs,
         engine: engine.name(),
+        precision: precision.name(),
         threads,
         ms_per_update: 1e3 * median,
         mean_ms_per_update: 1e3 * mean,
@@ -166,19 +185,20 @@ fn measure(
 /// Floating-point operations per second of the fused engine's matrix products on `threads` threads
 /// at a time.
 #[cfg(feature = "fused")]
-fn peak(threads: usize) -> Option<f64> {
+fn peak(precision: Precision, threads: usize) -> Option<f64> {
     use rher_core::learner::fused::gemm_peak;
     // The shape, `[rows, width] · [width, width]`, of the products of hidden layers of this width.
     const ROWS: usize = 256;
     const WIDTH: usize = 256;
     let peak: f64 = std::thread::scope(|scope| {
-        let probes: Vec<_> = (0..threads).map(|_| scope.spawn(|| gemm_peak(ROWS, WIDTH))).collect();
+        let probes: Vec<_> =
+            (0..threads).map(|_| scope.spawn(|| gemm_peak(precision, ROWS, WIDTH))).collect();
         probes.into_iter().filter_map(|probe| probe.join().ok()).sum()
     });
     (peak > 0.0).then_some(peak)
 }
 
 #[cfg(not(feature = "fused"))]
-fn peak(_threads: usize) -> Option<f64> {
+fn peak(_precision: Precision, _threads: usize) -> Option<f64> {
     None
 }

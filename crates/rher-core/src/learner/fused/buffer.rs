@@ -12,15 +12,17 @@ pub(super) fn padded(width: usize) -> usize {
 
 /// A slice of fixed length whose first element starts a cache line.
 #[derive(Debug)]
-pub(super) struct Buffer {
-    memory: Vec<f32>,
+pub(super) struct Buffer<T = f32> {
+    memory: Vec<T>,
     start: usize,
     length: usize,
 }
 
-impl Buffer {
+impl<T: Copy + Default> Buffer<T> {
+    /// For elements of four bytes, as all are.
     pub(super) fn zeros(length: usize) -> Self {
-        let memory = vec![0.0_f32; length + LINE - 1];
+        const { assert!(size_of::<T>() == size_of::<f32>()) }
+        let memory = vec![T::default(); length + LINE - 1];
         let start = memory.as_ptr().align_offset(LINE * size_of::<f32>()).min(LINE - 1);
         Self { memory, start, length }
     }
@@ -34,16 +36,16 @@ impl From<&[f32]> for Buffer {
     }
 }
 
-impl Deref for Buffer {
-    type Target = [f32];
+impl<T> Deref for Buffer<T> {
+    type Target = [T];
 
-    fn deref(&self) -> &[f32] {
+    fn deref(&self) -> &[T] {
         &self.memory[self.start..][..self.length]
     }
 }
 
-impl DerefMut for Buffer {
-    fn deref_mut(&mut self) -> &mut [f32] {
+impl<T> DerefMut for Buffer<T> {
+    fn deref_mut(&mut self) -> &mut [T] {
         &mut self.memory[self.start..][..self.length]
     }
 }

@@ -1,7 +1,9 @@
 //! The learner on the CPU: explicit forward and backward passes over preallocated buffers.
 
+mod bf16;
 mod buffer;
 mod gemm;
+mod gemm_bf16;
 mod kernels;
 mod network;
 mod optimizer;
@@ -20,6 +22,7 @@ use super::state::LearnerState;
 use crate::batch::Batch;
 use crate::config::{AgentConfig, TargetEvery};
 use gemm::Gemm;
+use gemm_bf16::PairGemm;
 use network::Network;
 use optimizer::Move;
 use pass::Machine;
@@ -63,13 +66,13 @@ impl FusedEngine {
         let inputs = actor.shape.inputs;
         Self {
             config: config.clone(),
-            machine: Machine { simd, gemm: Gemm::new(simd) },
-            actor: Network::new(actor, &(0..0), simd),
+            machine: Machine { simd, gemm: Gemm::new(simd), pair_gemm: PairGemm::new(simd) },
+            actor: Network::new(actor, &(0..0), config.precision, simd),
             critics: critics
                 .into_iter()
                 .map(|critic| {
                     let actions = inputs..critic.shape.inputs;
-                    Network::new(critic, &actions, simd)
+                    Network::new(critic, &actions, config.precision, simd)
                 })
                 .collect(),
             updates,

@@ -1,8 +1,11 @@
 //! The parameters of one trained network, with the copies that the matrix products want.
 
+use super::bf16::{self, Pair};
 use super::buffer::{Buffer, padded};
 use super::kernels;
+use super::product::PANEL;
 use super::simd::Simd;
+use crate::config::Precision;
 use crate::learner::network::{Layer, Shape};
 use crate::learner::state::Trained;
 use std::ops::Range;
@@ -19,6 +22,17 @@ pub(super) struct Dense {
     /// is needed.
     transposed: Range<usize>,
     transposed_rows: Range<usize>,
+    /// Where the copies in pairs are, of a layer whose products are of bf16 numbers.
+    pub(super) paired: Option<Paired>,
+}
+
+/// Where the weight of a layer is in pairs, in panels both times.
+#[derive(Clone, Debug)]
+pub(super) struct Paired {
+    /// In `Parameters::pairs`: `[pairs of inputs, outputs]`.
+    weight: Range<usize>,
+    /// In `Network::transposed_pairs`: `[pairs of outputs, transposed_rows]`.
+    transposed: Range<usize>,
 }
 
 impl Dense {
@@ -33,14 +47,26 @@ impl Dense {
 pub(super) struct Parameters {
     pub(super) flat: Buffer,
     narrow: Buffer,
+    /// Weights in pairs.
+    pairs: Buffer<Pair>,
 }
 
 impl Parameters {
-    fn new(flat: &[f32], layers: &[Dense]) -> Self {
+    fn new(flat: &[f32], layers: &[Dense], simd: Simd) -> Self {
         let narrow = layers.iter().filter_map(|dense| dense.narrow.as_ref()).map(Range::len).sum();
-        let mut parameters = Self { flat: Buffer::from(flat), narrow: Buffer::zeros(narrow) };
-        parameters.copy_narrow(layers);
+        let paired = layers.iter().filter_map(|dense| dense.paired.as_ref());
+        let mut parameters = Self {
+            flat: Buffer::from(flat),
+            narrow: Buffer::zeros(narrow),
+            pairs: Buffer::zeros(paired.map(|paired| paired.weight.len()).sum()),
+        };
+        parameters.copy(layers, simd);
         parameters
+    }
+
+    /// The weight of a layer whose copies in pairs are at `paired`: `[pairs of inputs, outputs]`.
+    pub(super) fn pairs(&self, paired: &Paired) -> &[Pair] {
+        &self.pairs[paired.weight.clone()]
     }
 
     /// The weight of a layer, `[inputs, outputs]` with [`Dense::stride`].
@@ -52,8 +78,18 @@ impl Parameters {
     }
 
     /// After any change of `flat`.
-    pub(super) fn copy_narrow(&mut self, layers: &[Dense]) {
+    pub(super) fn copy(&mut self, layers: &[Dense], simd: Simd) {
         for dense in layers {
+            let layer = &dense.layer;
+            if let Some(paired) = &dense.paired {
+                let from = &self.flat[layer.weight.clone()];
+                let to = &mut self.pairs[paired.weight.clone()];
+                let (rows, columns) = (layer.inputs, layer.outputs);
+                simd.run(
+                    #[inline(always)]
+                    || bf16::pair_rows(from, columns, rows, columns, PANEL, to),
+                );
+            }
             let Some(range) = &dense.narrow else { continue };
             let from = self.flat[dense.layer.weight.clone()].chunks_exact(dense.layer.outputs);
             let to = self.narrow[range.clone()].chunks_exact_mut(dense.stride);
@@ -78,13 +114,21 @@ pub(super) struct Network {
     pub(super) squared_norm: f64,
     /// Transposed weights of `online`.
     transposed: Buffer,
+    /// The same in pairs.
+    transposed_pairs: Buffer<Pair>,
 }
 
 impl Network {
     /// `differentiated` are the inputs whose gradient is needed.
-    pub(super) fn new(trained: Trained, differentiated: &Range<usize>, simd: Simd) -> Self {
+    pub(super) fn new(
+        trained: Trained,
+        differentiated: &Range<usize>,
+        precision: Precision,
+        simd: Simd,
+    ) -> Self {
         let Trained { shape, online, target, first_moment, second_moment, steps } = trained;
         let (mut narrow_end, mut transposed_end) = (0, 0);
+        let (mut pairs_end, mut transposed_pairs_end) = (0, 0);
         let layers: Vec<Dense> = shape
             .layers()
             .into_iter()
@@ -100,21 +144,33 @@ impl Network {
                 let rows = if index == 0 { differentiated.clone() } else { 0..layer.inputs };
                 let start = transposed_end;
                 transposed_end += layer.outputs * padded(rows.len());
+                let hidden = index < shape.hidden.len();
+                let paired = (precision == Precision::Bf16 && hidden).then(|| {
+                    let (weight, transposed) = (pairs_end, transposed_pairs_end);
+                    pairs_end += bf16::pairs(layer.inputs) * stride;
+                    transposed_pairs_end += bf16::pairs(layer.outputs) * padded(rows.len());
+                    Paired {
+                        weight: weight..pairs_end,
+                        transposed: transposed..transposed_pairs_end,
+                    }
+                });
                 Dense {
                     layer,
                     stride,
                     narrow,
                     transposed: start..transposed_end,
                     transposed_rows: rows,
+                    paired,
                 }
             })
             .collect();
         let mut network = Self {
-            online: Parameters::new(&online, &layers),
-            target: Parameters::new(&target, &layers),
+            online: Parameters::new(&online, &layers, simd),
+            target: Parameters::new(&target, &layers, simd),
             first_moment: Buffer::from(&*first_moment),
             second_moment: Buffer::from(&*second_moment),
             transposed: Buffer::zeros(transposed_end),
+            transposed_pairs: Buffer::zeros(transposed_pairs_end),
             shape,
             layers,
             steps,
@@ -126,9 +182,9 @@ impl Network {
 
     /// After any change of the online parameters.
     pub(super) fn copy_online(&mut self, simd: Simd) {
-        let Self { layers, online, transposed, .. } = self;
-        online.copy_narrow(layers);
-        for Dense { layer, transposed: range, transposed_rows: rows, .. } in &*layers {
+        let Self { layers, online, transposed, transposed_pairs, .. } = self;
+        online.copy(layers, simd);
+        for Dense { layer, transposed: range, transposed_rows: rows, paired, .. } in &*layers {
             let from = &online.flat[layer.weight.clone()]
                 [rows.start * layer.outputs..rows.end * layer.outputs];
             let to = &mut transposed[range.clone()];
@@ -136,6 +192,17 @@ impl Network {
                 #[inline(always)]
                 || kernels::transpose(from, layer.outputs, to, padded(rows.len())),
             );
+            if let Some(paired) = paired {
+                let (from, columns) = (&*to, rows.len());
+                let to = &mut transposed_pairs[paired.transposed.clone()];
+                simd.run(
+                    #[inline(always)]
+                    || {
+                        let stride = padded(columns);
+                        bf16::pair_rows(from, stride, layer.outputs, columns, PANEL, to);
+                    },
+                );
+            }
         }
     }
 
@@ -147,6 +214,12 @@ impl Network {
     /// The transposed weight of a layer, `[outputs, wanted inputs]`.
     pub(super) fn transposed(&self, dense: &Dense) -> &[f32] {
         &self.transposed[dense.transposed.clone()]
+    }
+
+    /// The transposed weight of a layer whose copies in pairs are at `paired`: `[pairs of outputs,
+    /// wanted inputs]`.
+    pub(super) fn transposed_pairs(&self, paired: &Paired) -> &[Pair] {
+        &self.transposed_pairs[paired.transposed.clone()]
     }
 
     pub(super) fn trained(&self) -> Trained {

@@ -49,7 +49,7 @@ impl Network {
         self.squared_norm = task.step(span);
         self.copy_online(machine.simd);
         if how.target_rate.is_some() {
-            self.target.copy_narrow(&self.layers);
+            self.target.copy(&self.layers, machine.simd);
         }
     }
 
@@ -60,7 +60,7 @@ impl Network {
             #[inline(always)]
             || kernels::polyak_update(target, online, rate),
         );
-        self.target.copy_narrow(&self.layers);
+        self.target.copy(&self.layers, machine.simd);
     }
 }
 

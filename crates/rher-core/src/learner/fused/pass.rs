@@ -1,17 +1,21 @@
 //! Forward and backward passes of one network over some rows.
 
-use super::buffer::Buffer;
+use super::bf16::{self, Pair};
+use super::buffer::{Buffer, padded};
 use super::gemm::Gemm;
+use super::gemm_bf16::PairGemm;
 use super::kernels::{self, Norm};
 use super::network::{Dense, Network, Parameters};
-use super::product::{Left, Product};
+use super::product::{Left, PANEL, PairProduct, Product};
 use super::simd::Simd;
+use crate::learner::network::Layer;
 
 /// What the passes run on.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Machine {
     pub(super) simd: Simd,
     pub(super) gemm: Gemm,
+    pub(super) pair_gemm: PairGemm,
 }
 
 impl Machine {
@@ -78,6 +82,8 @@ pub(super) struct Gradient<'a> {
 #[derive(Debug)]
 pub(super) struct Trace {
     layers: Vec<LayerTrace>,
+    /// The input of a layer in pairs, `[rows, pairs of inputs]`.
+    pairs: Buffer<Pair>,
 }
 
 #[derive(Debug)]
@@ -92,6 +98,8 @@ struct LayerTrace {
 
 impl Trace {
     pub(super) fn new(layers: &[Dense], rows: usize) -> Self {
+        let paired = layers.iter().filter(|dense| dense.paired.is_some());
+        let pairs = paired.map(|dense| bf16::pairs(dense.layer.inputs)).max().unwrap_or(0);
         let layers = layers
             .iter()
             .map(|dense| {
@@ -103,7 +111,7 @@ impl Trace {
                 }
             })
             .collect();
-        Self { layers }
+        Self { layers, pairs: Buffer::zeros(rows * pairs) }
     }
 
     /// Outputs of the network, `[rows, stride of the last layer]`.
@@ -122,13 +130,27 @@ impl Trace {
 pub(super) struct Deltas {
     current: Buffer,
     previous: Buffer,
+    /// The left and the right matrix of a product in pairs.
+    left: Buffer<Pair>,
+    right: Buffer<Pair>,
 }
 
 impl Deltas {
-    pub(super) fn new<'a>(layers: impl Iterator<Item = &'a Dense>, rows: usize) -> Self {
-        let length = rows
-            * layers.map(|dense| dense.stride.max(dense.transposed_stride())).max().unwrap_or(0);
-        Self { current: Buffer::zeros(length), previous: Buffer::zeros(length) }
+    pub(super) fn new<'a>(layers: impl Iterator<Item = &'a Dense> + Clone, rows: usize) -> Self {
+        let widest = layers.clone().map(|dense| dense.stride.max(dense.transposed_stride()));
+        let length = rows * widest.max().unwrap_or(0);
+        let paired = layers.filter(|dense| dense.paired.is_some());
+        let left = paired.clone().map(|dense| {
+            let Layer { inputs, outputs, .. } = dense.layer;
+            (bf16::pairs(rows) * padded(inputs)).max(rows * bf16::pairs(outputs))
+        });
+        let right = paired.map(|dense| bf16::pairs(rows) * dense.stride);
+        Self {
+            current: Buffer::zeros(length),
+            previous: Buffer::zeros(length),
+            left: Buffer::zeros(left.max().unwrap_or(0)),
+            right: Buffer::zeros(right.max().unwrap_or(0)),
+        }
     }
 
     /// Where the gradient of the network's output goes, `[rows, stride of the last layer]`.
@@ -149,7 +171,8 @@ impl Network {
     ) {
         let last = self.layers.len() - 1;
         for (index, dense) in self.layers.iter().enumerate() {
-            let (before, after) = trace.layers.split_at_mut(index);
+            let Trace { layers, pairs } = &mut *trace;
+            let (before, after) = layers.split_at_mut(index);
             let LayerTrace { output, normal, inverse_deviation } = &mut after[0];
             let (layer, stride) = (&dense.layer, dense.stride);
             let input = match before.last() {
@@ -158,14 +181,28 @@ impl Network {
             };
             let output = &mut output[..rows * stride];
             let normal = if layer.norm.is_some() { &mut normal[..rows * stride] } else { normal };
-            machine.affine(Affine {
-                input,
-                weight: parameters.weight(dense),
-                out: if layer.norm.is_some() { &mut *normal } else { &mut *output },
-                rows,
-                inputs: layer.inputs,
-                stride,
-            });
+            let out = if layer.norm.is_some() { &mut *normal } else { &mut *output };
+            if let Some(paired) = &dense.paired {
+                let depth = bf16::pairs(layer.inputs);
+                let pairs = &mut pairs[..rows * depth];
+                machine.simd.run(
+                    #[inline(always)]
+                    || bf16::pair_columns(input.data, input.stride, layer.inputs, pairs),
+                );
+                machine.pair_gemm.multiply(PairProduct {
+                    left: Left::rows(pairs, depth),
+                    right: parameters.pairs(paired),
+                    out,
+                    out_stride: stride,
+                    rows,
+                    depth,
+                    columns: stride,
+                    accumulate: false,
+                });
+            } else {
+                let (weight, inputs) = (parameters.weight(dense), layer.inputs);
+                machine.affine(Affine { input, weight, out, rows, inputs, stride });
+            }
             let bias = &parameters.flat[layer.bias.clone()];
             if let Some((scale, shift)) = &layer.norm {
                 let norm = Norm {
@@ -268,6 +305,29 @@ impl Network {
                         kernels::add_weighted_rows(input.data, input.stride, delta, weight);
                     },
                 );
+            } else if dense.paired.is_some() {
+                let depth = bf16::pairs(rows);
+                let inputs = padded(layer.inputs);
+                let left = &mut deltas.left[..depth * inputs];
+                let right = &mut deltas.right[..depth * stride];
+                machine.simd.run(
+                    #[inline(always)]
+                    || {
+                        let (data, width) = (input.data, layer.inputs);
+                        bf16::pair_rows(data, input.stride, rows, width, inputs, left);
+                        bf16::pair_rows(delta, stride, rows, stride, PANEL, right);
+                    },
+                );
+                machine.pair_gemm.multiply(PairProduct {
+                    left: Left::transposed(left, inputs),
+                    right,
+                    out: weight,
+                    out_stride: layer.outputs,
+                    rows: layer.inputs,
+                    depth,
+                    columns: layer.outputs,
+                    accumulate,
+                });
             } else {
                 machine.gemm.multiply(Product {
                     left: Left::transposed(input.data, input.stride),
@@ -331,7 +391,7 @@ impl Network {
     /// From the gradient of a layer's affine map to that of its input.
     fn step_back(&self, machine: Machine, dense: &Dense, rows: usize, deltas: &mut Deltas) {
         let (stride, back) = (dense.stride, dense.transposed_stride());
-        let Deltas { current, previous } = deltas;
+        let Deltas { current, previous, left, .. } = deltas;
         if stride == 1 {
             let factors = &current[..rows];
             let out = &mut previous[..rows * back];
@@ -339,6 +399,23 @@ impl Network {
                 #[inline(always)]
                 || kernels::outer(factors, self.transposed(dense), out),
             );
+        } else if let Some(paired) = &dense.paired {
+            let depth = bf16::pairs(dense.layer.outputs);
+            let left = &mut left[..rows * depth];
+            machine.simd.run(
+                #[inline(always)]
+                || bf16::pair_columns(current, stride, dense.layer.outputs, left),
+            );
+            machine.pair_gemm.multiply(PairProduct {
+                left: Left::rows(left, depth),
+                right: self.transposed_pairs(paired),
+                out: previous,
+                out_stride: back,
+                rows,
+                depth,
+                columns: back,
+                accumulate: false,
+            });
         } else {
             machine.gemm.multiply(Product {
                 left: Left::rows(current, stride),

@@ -1,6 +1,6 @@
 use super::{FusedEngine, Simd};
 use crate::batch::Batch;
-use crate::config::{AgentConfig, Init, TargetEvery};
+use crate::config::{AgentConfig, Init, Precision, TargetEvery};
 use crate::learner::contract;
 use crate::learner::engine::{BETA_1, BETA_2, EPSILON, Engine as _, Losses};
 use crate::learner::network::{NORM_EPSILON, Shape};
@@ -340,7 +340,10 @@ fn train(engine: &mut FusedEngine, rows: usize, updates: usize) -> (LearnerState
 fn results_do_not_depend_on_the_number_of_threads() {
     let config = AgentConfig { hidden: vec![256, 256], critic_layer_norm: true, ..td3() };
     let state = draw_state(&config, &mut ChaCha8Rng::seed_from_u64(1));
-    for rows in [200, 700] {
+    let cases =
+        [200, 700].into_iter().flat_map(|rows| [(rows, Precision::F32), (rows, Precision::Bf16)]);
+    for (rows, precision) in cases {
+        let config = AgentConfig { precision, ..config.clone() };
         let mut alone = FusedEngine::from_state(&config, state.clone());
         let expected = train(&mut alone, rows, 4);
         for threads in [1, 2, 3] {
@@ -365,6 +368,40 @@ fn every_set_of_instructions_learns_the_same() {
                 let shape = &best.critics[index].shape;
                 assert_tensors_close(shape, &engine.critic_gradient(index), &expected, 1e-5);
             }
+        }
+    }
+}
+
+#[test]
+fn bf16_learns_the_same_bits_with_every_set_of_instructions() {
+    let wide = AgentConfig { hidden: vec![96, 80], critic_layer_norm: true, ..td3() };
+    for config in variants().into_iter().chain([wide]) {
+        let config = AgentConfig { precision: Precision::Bf16, ..config };
+        let state = draw_state(&config, &mut ChaCha8Rng::seed_from_u64(5));
+        let mut best = FusedEngine::from_state(&config, state.clone());
+        let expected = train(&mut best, 41, 200);
+        for simd in Simd::every().into_iter().filter(|it| !matches!(it.arch(), pulp::Arch::Scalar))
+        {
+            let mut engine = FusedEngine::on(simd, &config, state.clone());
+            let found = train(&mut engine, 41, 200);
+            assert!(found == expected, "{simd:?}, {config:?}");
+        }
+    }
+}
+
+#[test]
+fn bf16_gradients_are_near_those_of_f32() {
+    for config in variants() {
+        let state = draw_state(&config, &mut ChaCha8Rng::seed_from_u64(6));
+        let mut exact = FusedEngine::from_state(&config, state.clone());
+        let config = AgentConfig { precision: Precision::Bf16, ..config };
+        let mut rounded = FusedEngine::from_state(&config, state);
+        train(&mut exact, 300, 1);
+        train(&mut rounded, 300, 1);
+        for index in 0..config.critics {
+            let expected = doubles(&exact.critic_gradient(index));
+            let shape = &exact.critics[index].shape;
+            assert_tensors_close(shape, &rounded.critic_gradient(index), &expected, 0.03);
         }
     }
 }
