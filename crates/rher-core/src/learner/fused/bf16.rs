@@ -121,34 +121,39 @@ pub(super) fn multiply(simd: Simd, product: &mut PairProduct<'_>) {
         #[inline(always)]
         || {
             if fused {
-                multiply_tiles(product, |x, y, sum| x.mul_add(y, sum));
+                multiply_tiles::<true>(product);
             } else {
-                multiply_tiles(product, |x, y, sum| sum + x * y);
+                multiply_tiles::<false>(product);
             }
         },
     );
 }
 
+/// sum + x · y, which is the same in one step and in two.
 #[inline(always)]
-fn multiply_tiles(product: &mut PairProduct<'_>, add: impl Fn(f32, f32, f32) -> f32 + Copy) {
+fn add_product<const FUSED: bool>(x: f32, y: f32, sum: f32) -> f32 {
+    if FUSED { x.mul_add(y, sum) } else { sum + x * y }
+}
+
+#[inline(always)]
+fn multiply_tiles<const FUSED: bool>(product: &mut PairProduct<'_>) {
     for column in (0..product.columns).step_by(LINE) {
         for row in (0..product.rows).step_by(TILE_ROWS) {
             match product.rows - row {
-                1 => multiply_tile::<1>(product, row, column, add),
-                2 => multiply_tile::<2>(product, row, column, add),
-                3 => multiply_tile::<3>(product, row, column, add),
-                _ => multiply_tile::<TILE_ROWS>(product, row, column, add),
+                1 => multiply_tile::<1, FUSED>(product, row, column),
+                2 => multiply_tile::<2, FUSED>(product, row, column),
+                3 => multiply_tile::<3, FUSED>(product, row, column),
+                _ => multiply_tile::<TILE_ROWS, FUSED>(product, row, column),
             }
         }
     }
 }
 
 #[inline(always)]
-fn multiply_tile<const ROWS: usize>(
+fn multiply_tile<const ROWS: usize, const FUSED: bool>(
     product: &mut PairProduct<'_>,
     row: usize,
     column: usize,
-    add: impl Fn(f32, f32, f32) -> f32,
 ) {
     let panel = column / PANEL * PANEL;
     let width = padded(product.columns - panel).min(PANEL);
@@ -161,8 +166,8 @@ fn multiply_tile<const ROWS: usize>(
         for (index, sums) in tile.iter_mut().enumerate() {
             let (first, second) = product.left.at(row + index, k).numbers();
             for (sum, right) in sums.iter_mut().zip(&right) {
-                *sum = add(second, right.1, *sum);
-                *sum = add(first, right.0, *sum);
+                *sum = add_product::<FUSED>(second, right.1, *sum);
+                *sum = add_product::<FUSED>(first, right.0, *sum);
             }
         }
     }

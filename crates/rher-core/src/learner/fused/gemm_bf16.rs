@@ -135,6 +135,7 @@ mod native {
         }
 
         pub(super) fn multiply(self, product: PairProduct<'_>) {
+            let Self(_has_the_instructions) = self;
             let PairProduct { left, right, out, out_stride, rows, depth, columns, accumulate } =
                 product;
             if rows == 0 || depth == 0 || columns == 0 {
