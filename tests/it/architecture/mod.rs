@@ -21,8 +21,8 @@ const CRATES: [(&str, &[&str]); 6] = [
 
 /// The only files with `unsafe` code.
 const UNSAFE: [&str; 4] = [
+    "crates/rher-core/src/learner/fused/dot.rs",
     "crates/rher-core/src/learner/fused/gemm.rs",
-    "crates/rher-core/src/learner/fused/gemm_bf16.rs",
     "crates/rher-core/src/replay/prefetch.rs",
     "crates/rher-core/tests/allocations.rs",
 ];

@@ -1,12 +1,15 @@
 //! The learner on the CPU: explicit forward and backward passes over preallocated buffers.
 
-mod bf16;
 mod buffer;
+#[cfg(target_arch = "x86_64")]
+mod dot;
+mod emulated;
 mod gemm;
-mod gemm_bf16;
 mod kernels;
 mod network;
 mod optimizer;
+mod pair;
+mod pair_gemm;
 mod pass;
 mod peak;
 mod portable;
@@ -22,9 +25,9 @@ use super::state::LearnerState;
 use crate::batch::Batch;
 use crate::config::{AgentConfig, TargetEvery};
 use gemm::Gemm;
-use gemm_bf16::PairGemm;
 use network::Network;
 use optimizer::Move;
+use pair_gemm::PairGemm;
 use pass::Machine;
 use simd::Simd;
 use slice::{Job, Slice, Sums};

@@ -1,8 +1,8 @@
 //! The parameters of one trained network, with the copies that the matrix products want.
 
-use super::bf16::{self, Pair};
 use super::buffer::{Buffer, padded};
 use super::kernels;
+use super::pair::{self, Pair};
 use super::product::PANEL;
 use super::simd::Simd;
 use crate::config::Precision;
@@ -87,7 +87,7 @@ impl Parameters {
                 let (rows, columns) = (layer.inputs, layer.outputs);
                 simd.run(
                     #[inline(always)]
-                    || bf16::pair_rows(from, columns, rows, columns, PANEL, to),
+                    || pair::pair_rows(from, columns, rows, columns, PANEL, to),
                 );
             }
             let Some(range) = &dense.narrow else { continue };
@@ -147,8 +147,8 @@ impl Network {
                 let hidden = index < shape.hidden.len();
                 let paired = (precision == Precision::Bf16 && hidden).then(|| {
                     let (weight, transposed) = (pairs_end, transposed_pairs_end);
-                    pairs_end += bf16::pairs(layer.inputs) * stride;
-                    transposed_pairs_end += bf16::pairs(layer.outputs) * padded(rows.len());
+                    pairs_end += pair::pairs(layer.inputs) * stride;
+                    transposed_pairs_end += pair::pairs(layer.outputs) * padded(rows.len());
                     Paired {
                         weight: weight..pairs_end,
                         transposed: transposed..transposed_pairs_end,
@@ -199,7 +199,7 @@ impl Network {
                     #[inline(always)]
                     || {
                         let stride = padded(columns);
-                        bf16::pair_rows(from, stride, layer.outputs, columns, PANEL, to);
+                        pair::pair_rows(from, stride, layer.outputs, columns, PANEL, to);
                     },
                 );
             }

@@ -1,11 +1,11 @@
 //! Forward and backward passes of one network over some rows.
 
-use super::bf16::{self, Pair};
 use super::buffer::{Buffer, padded};
 use super::gemm::Gemm;
-use super::gemm_bf16::PairGemm;
 use super::kernels::{self, Norm};
 use super::network::{Dense, Network, Parameters};
+use super::pair::{self, Pair};
+use super::pair_gemm::PairGemm;
 use super::product::{Left, PANEL, PairProduct, Product};
 use super::simd::Simd;
 use crate::learner::network::Layer;
@@ -99,7 +99,7 @@ struct LayerTrace {
 impl Trace {
     pub(super) fn new(layers: &[Dense], rows: usize) -> Self {
         let paired = layers.iter().filter(|dense| dense.paired.is_some());
-        let pairs = paired.map(|dense| bf16::pairs(dense.layer.inputs)).max().unwrap_or(0);
+        let pairs = paired.map(|dense| pair::pairs(dense.layer.inputs)).max().unwrap_or(0);
         let layers = layers
             .iter()
             .map(|dense| {
@@ -142,9 +142,9 @@ impl Deltas {
         let paired = layers.filter(|dense| dense.paired.is_some());
         let left = paired.clone().map(|dense| {
             let Layer { inputs, outputs, .. } = dense.layer;
-            (bf16::pairs(rows) * padded(inputs)).max(rows * bf16::pairs(outputs))
+            (pair::pairs(rows) * padded(inputs)).max(rows * pair::pairs(outputs))
         });
-        let right = paired.map(|dense| bf16::pairs(rows) * dense.stride);
+        let right = paired.map(|dense| pair::pairs(rows) * dense.stride);
         Self {
             current: Buffer::zeros(length),
             previous: Buffer::zeros(length),
@@ -183,11 +183,11 @@ impl Network {
             let normal = if layer.norm.is_some() { &mut normal[..rows * stride] } else { normal };
             let out = if layer.norm.is_some() { &mut *normal } else { &mut *output };
             if let Some(paired) = &dense.paired {
-                let depth = bf16::pairs(layer.inputs);
+                let depth = pair::pairs(layer.inputs);
                 let pairs = &mut pairs[..rows * depth];
                 machine.simd.run(
                     #[inline(always)]
-                    || bf16::pair_columns(input.data, input.stride, layer.inputs, pairs),
+                    || pair::pair_columns(input.data, input.stride, layer.inputs, pairs),
                 );
                 machine.pair_gemm.multiply(PairProduct {
                     left: Left::rows(pairs, depth),
@@ -306,7 +306,7 @@ impl Network {
                     },
                 );
             } else if dense.paired.is_some() {
-                let depth = bf16::pairs(rows);
+                let depth = pair::pairs(rows);
                 let inputs = padded(layer.inputs);
                 let left = &mut deltas.left[..depth * inputs];
                 let right = &mut deltas.right[..depth * stride];
@@ -314,8 +314,8 @@ impl Network {
                     #[inline(always)]
                     || {
                         let (data, width) = (input.data, layer.inputs);
-                        bf16::pair_rows(data, input.stride, rows, width, inputs, left);
-                        bf16::pair_rows(delta, stride, rows, stride, PANEL, right);
+                        pair::pair_rows(data, input.stride, rows, width, inputs, left);
+                        pair::pair_rows(delta, stride, rows, stride, PANEL, right);
                     },
                 );
                 machine.pair_gemm.multiply(PairProduct {
@@ -400,11 +400,11 @@ impl Network {
                 || kernels::outer(factors, self.transposed(dense), out),
             );
         } else if let Some(paired) = &dense.paired {
-            let depth = bf16::pairs(dense.layer.outputs);
+            let depth = pair::pairs(dense.layer.outputs);
             let left = &mut left[..rows * depth];
             machine.simd.run(
                 #[inline(always)]
-                || bf16::pair_columns(current, stride, dense.layer.outputs, left),
+                || pair::pair_columns(current, stride, dense.layer.outputs, left),
             );
             machine.pair_gemm.multiply(PairProduct {
                 left: Left::rows(left, depth),

@@ -1,9 +1,9 @@
 //! How fast this machine multiplies matrices: what the speed of an update is compared with.
 
-use super::bf16::{self, Pair};
 use super::buffer::{Buffer, LINE};
 use super::gemm::Gemm;
-use super::gemm_bf16::PairGemm;
+use super::pair::{self, Pair};
+use super::pair_gemm::PairGemm;
 use super::product::{Left, PANEL, PairProduct, Product};
 use super::simd::Simd;
 use crate::config::Precision;
@@ -36,11 +36,11 @@ pub fn gemm_peak(precision: Precision, rows: usize, width: usize) -> f64 {
             });
         }),
         Precision::Bf16 => {
-            let depth = bf16::pairs(width);
+            let depth = pair::pairs(width);
             let mut left_pairs = vec![Pair::default(); rows * depth];
-            bf16::pair_columns(&left, width, width, &mut left_pairs);
+            pair::pair_columns(&left, width, width, &mut left_pairs);
             let mut right_pairs = Buffer::zeros(depth * width);
-            bf16::pair_rows(&right, width, width, width, PANEL, &mut right_pairs);
+            pair::pair_rows(&right, width, width, width, PANEL, &mut right_pairs);
             best_time(|| {
                 PairGemm::new(simd).multiply(PairProduct {
                     left: Left::rows(&left_pairs, depth),

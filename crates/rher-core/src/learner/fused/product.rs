@@ -1,6 +1,6 @@
 //! What a matrix product is of, whoever computes it.
 
-use super::bf16::Pair;
+use super::pair::Pair;
 
 /// One product `out = left · right`, or `out += left · right`.
 ///
