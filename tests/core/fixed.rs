@@ -14,12 +14,12 @@ impl TryRng for Fixed {
 
     fn try_next_u32(&mut self) -> Result<u32, Infallible> {
         self.draws += 1;
-        Ok((self.share * 2_f64.powi(32)) as u32)
+        Ok((self.share * (1_u64 << 32) as f64) as u32)
     }
 
     fn try_next_u64(&mut self) -> Result<u64, Infallible> {
         self.draws += 1;
-        Ok((self.share * 2_f64.powi(64)) as u64)
+        Ok((self.share * (1_u128 << 64) as f64) as u64)
     }
 
     fn try_fill_bytes(&mut self, bytes: &mut [u8]) -> Result<(), Infallible> {

@@ -3,7 +3,6 @@
 
 use crate::toy::{Lines, Magnet, small};
 use rand::RngExt as _;
-use rand_distr::StandardNormal;
 use rher_core::batch::Batch;
 use rher_core::config::{BatchMode, Method, TargetEvery, TrainConfig};
 use rher_core::env::Env as _;
@@ -16,6 +15,7 @@ use rher_core::input::InputEncoder;
 use rher_core::learner::engine::Losses;
 use rher_core::learner::engines::build;
 use rher_core::learner::state::LearnerState;
+use rher_core::normal::StandardNormal;
 use rher_core::policy::{Policy, PolicyInfo};
 use rher_core::relabel::Relabeler;
 use rher_core::replay::Replay;

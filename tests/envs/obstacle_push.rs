@@ -87,6 +87,7 @@ fn push_to<E: Simulated<1>>(stand: &Stand<E>, next: Position, slowest: f32) -> [
 }
 
 /// Where to push the block next, and how long the whole way is.
+#[expect(clippy::disallowed_methods, reason = "a script acts by it, which is judged by success")]
 fn best_push(block: Position, target: Position, obstacle: Position) -> (f32, Position) {
     let (length, corner) = way_round(block, target, obstacle);
     let mut best = (if has_room(block, corner, obstacle) { length } else { f32::INFINITY }, corner);

@@ -3,12 +3,12 @@
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
-use rand_distr::StandardNormal;
 use rayon::ThreadPoolBuilder;
 use rher_core::batch::Batch;
 use rher_core::config::{AgentConfig, EngineKind};
 use rher_core::learner::engines;
 use rher_core::learner::state::LearnerState;
+use rher_core::normal::StandardNormal;
 
 const ACTION: usize = 4;
 

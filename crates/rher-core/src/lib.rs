@@ -212,6 +212,8 @@ pub mod input;
 #[doc(hidden)]
 pub mod learner;
 mod names;
+#[doc(hidden)]
+pub mod normal;
 pub mod policy;
 #[doc(hidden)]
 pub mod relabel;

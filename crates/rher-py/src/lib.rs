@@ -23,7 +23,9 @@ mod threads;
 mod train;
 mod vector;
 
+use pyo3::exceptions::PyImportError;
 use pyo3::prelude::*;
+use rher_core::learner::simd::Simd;
 
 /// Compiled half of `rher`; use the package itself.
 #[pymodule]
@@ -45,4 +47,10 @@ mod _rher {
     use super::train::{Trainer, run_settings};
     #[pymodule_export]
     use super::vector::VectorEnv;
+    use super::{Bound, PyImportError, PyModule, PyResult, Simd};
+
+    #[pymodule_init]
+    fn init(_: &Bound<'_, PyModule>) -> PyResult<()> {
+        Simd::chosen().map(drop).map_err(|error| PyImportError::new_err(error.to_string()))
+    }
 }

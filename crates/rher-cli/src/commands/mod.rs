@@ -18,9 +18,11 @@ use crate::cli::{BenchCommand, Command};
 use crate::exit_code::Status;
 use crate::host::Program;
 use crate::printer::Printer;
+use rher_core::learner::simd::Simd;
 
 /// Does what `command` says.
 pub(crate) fn run(command: Command, program: &Program, printer: Printer) -> anyhow::Result<Status> {
+    Simd::chosen()?;
     match command {
         Command::Tasks(args) => tasks::tasks(&args, printer)?,
         Command::Train(args) => return train::train(&args, printer),

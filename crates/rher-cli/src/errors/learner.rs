@@ -5,6 +5,8 @@ use crate::exit_code::Status;
 use rher_core::episode::RolloutError;
 use rher_core::evaluate::EvaluateError;
 use rher_core::files::{Access, FileError};
+use rher_core::learner::engines::EngineError;
+use rher_core::learner::simd::SimdError;
 use rher_core::policy::PolicyError;
 use rher_core::train::checkpoint::CheckpointError;
 use rher_core::train::{PretrainedError, TrainError, Unfit};
@@ -28,6 +30,18 @@ impl Explain for TrainError {
             }
             _ => None,
         }
+    }
+}
+
+impl Explain for EngineError {
+    fn report(&self) -> Option<Report> {
+        Some(Report::plain(Status::Usage))
+    }
+}
+
+impl Explain for SimdError {
+    fn report(&self) -> Option<Report> {
+        Some(Report::plain(Status::Usage))
     }
 }
 

@@ -17,6 +17,8 @@ use report::explain;
 use rher_core::evaluate::EvaluateError;
 use rher_core::event::ObserverError;
 use rher_core::files::FileError;
+use rher_core::learner::engines::EngineError;
+use rher_core::learner::simd::SimdError;
 use rher_core::policy::PolicyError;
 use rher_core::train::checkpoint::CheckpointError;
 use rher_core::train::{PretrainedError, TrainError};
@@ -37,6 +39,8 @@ const KNOWN: &[fn(&(dyn Error + 'static)) -> Option<Report>] = &[
     explain::<OtherRun>,
     explain::<RunError>,
     explain::<TrainError>,
+    explain::<EngineError>,
+    explain::<SimdError>,
     explain::<PretrainedError>,
     explain::<CheckpointError>,
     explain::<PolicyError>,

@@ -1,4 +1,5 @@
 //! The fused engine against autodiff, update by update.
+#![expect(clippy::disallowed_methods, reason = "compared with a tolerance")]
 
 use super::burn::BurnEngine;
 use super::engine::Engine as _;
@@ -7,9 +8,9 @@ use super::state::{LearnerState, Trained};
 use crate::batch::Batch;
 use crate::config::Preset;
 use crate::config::{AgentConfig, Init, TargetEvery};
+use crate::normal::StandardNormal;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
-use rand_distr::StandardNormal;
 
 const INPUT: usize = 7;
 const ACTION: usize = 3;

@@ -387,6 +387,7 @@ mod tests {
     }
 
     #[test]
+    #[expect(clippy::disallowed_methods, reason = "compared with a tolerance")]
     fn five_steps_are_those_of_the_rule_in_f64() {
         let shape = Shape { inputs: 40, hidden: vec![], outputs: 1, layer_norm: false };
         let online: Vec<f32> = (0..41).map(|index| (index as f32).sin()).collect();

@@ -1,5 +1,6 @@
 //! What every engine must do: its gradients against differences of f64 losses, its values against
 //! problems whose answer is known.
+#![expect(clippy::disallowed_methods, reason = "compared with a tolerance")]
 
 use super::engine::{BETA_1, Engine};
 use super::infer::Inference;

@@ -6,7 +6,8 @@
 )]
 
 use super::network::{Layer, NORM_EPSILON, Shape};
-use pulp::{Arch, Simd, WithSimd};
+use super::simd;
+use pulp::{Simd, WithSimd};
 use std::ops::Range;
 
 /// Rows that go through the layers together, so that their activations stay in the nearest cache.
@@ -41,13 +42,18 @@ impl Inference {
     pub fn act(&mut self, parameters: &[f32], inputs: &[f32], actions: &mut [f32]) {
         self.forward(parameters, inputs, actions);
         for action in actions {
-            *action = action.tanh();
+            *action = libm::tanhf(*action);
         }
     }
 
     /// Writes the network's outputs, `[rows, outputs]`, for inputs, `[rows, inputs]`.
     pub fn forward(&mut self, parameters: &[f32], inputs: &[f32], outputs: &mut [f32]) {
-        Arch::new().dispatch(Forward { inference: self, parameters, inputs, outputs });
+        simd::Simd::chosen_or_fastest().arch().dispatch(Forward {
+            inference: self,
+            parameters,
+            inputs,
+            outputs,
+        });
     }
 
     #[inline(always)]
@@ -231,6 +237,6 @@ mod tests {
         let shape = Shape { inputs: 1, hidden: vec![1], outputs: 1, layer_norm: false };
         let mut action = [0.0];
         Inference::new(&shape).act(&[2.0, 1.0, 0.5, -1.0], &[3.0], &mut action);
-        assert_eq!(action.map(f32::to_bits), [2.5_f32.tanh().to_bits()]);
+        assert_eq!(action.map(f32::to_bits), [libm::tanhf(2.5).to_bits()]);
     }
 }

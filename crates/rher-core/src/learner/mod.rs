@@ -10,6 +10,7 @@ pub mod engines;
 pub mod fused;
 pub mod infer;
 pub mod network;
+pub mod simd;
 pub mod state;
 
 #[cfg(all(test, feature = "burn", feature = "fused"))]

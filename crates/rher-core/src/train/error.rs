@@ -9,7 +9,7 @@ use crate::episode::RolloutError;
 use crate::evaluate::EvaluateError;
 use crate::event::ObserverError;
 use crate::learner::engine::NotFinite;
-use crate::learner::engines::MissingEngine;
+use crate::learner::engines::EngineError;
 
 /// Why a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,9 +32,10 @@ pub enum TrainError {
     /// The run needs more memory than there is.
     #[error(transparent)]
     Memory(#[from] MemoryError),
-    /// The settings name an engine that is not part of this build.
+    /// The engine that the settings name is not part of this build, or `RHER_SIMD` names
+    /// instructions that the machine does not have.
     #[error(transparent)]
-    Engine(#[from] MissingEngine),
+    Engine(#[from] EngineError),
     /// The specification of the environments is wrong.
     #[error(transparent)]
     Spec(#[from] SpecError),

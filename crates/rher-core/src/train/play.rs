@@ -4,10 +4,10 @@ use crate::env::Env;
 use crate::episode::{Episode, RolloutError, rollout};
 use crate::explore::{ActionSource, Explorer, Selection};
 use crate::goal::{Stage, Tolerances};
+use crate::normal::StandardNormal;
 use crate::policy::Policy;
 use crate::seed::{Purpose, Seed};
 use rand::RngExt as _;
-use rand_distr::StandardNormal;
 use std::time::{Duration, Instant};
 
 /// A training episode and what it took.

@@ -35,6 +35,10 @@ impl Camera {
     }
 
     /// This camera in front of a picture of this many samples.
+    #[expect(
+        clippy::disallowed_methods,
+        reason = "what is drawn is looked at, and nothing is computed from it"
+    )]
     pub(super) fn view(&self, width: usize, height: usize) -> View {
         let forward = (self.focus - self.eye).normalize();
         let right = forward.cross(&Vector3::z()).normalize();

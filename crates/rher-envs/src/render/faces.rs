@@ -45,6 +45,10 @@ impl Surface {
 }
 
 /// Hands every face of a shape to `draw`, with its surface; faces of one surface in a row.
+#[expect(
+    clippy::disallowed_methods,
+    reason = "what is drawn is looked at, and nothing is computed from it"
+)]
 pub(super) fn of(
     shape: &Shape,
     thing: &Isometry3<f32>,

@@ -42,11 +42,19 @@ impl Image {
 }
 
 /// From a number as screens have it to one in proportion to light.
+#[expect(
+    clippy::disallowed_methods,
+    reason = "what is drawn is looked at, and nothing is computed from it"
+)]
 pub(super) fn linear(srgb: f32) -> f32 {
     if srgb <= 0.04045 { srgb / 12.92 } else { ((srgb + 0.055) / 1.055).powf(2.4) }
 }
 
 /// The other way round, in 8 bits.
+#[expect(
+    clippy::disallowed_methods,
+    reason = "what is drawn is looked at, and nothing is computed from it"
+)]
 pub(super) fn encode(linear: &Vector3<f32>) -> [u8; 3] {
     const STEPS: u16 = 4095;
     static TABLE: LazyLock<Vec<u8>> = LazyLock::new(|| {

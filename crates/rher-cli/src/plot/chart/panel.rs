@@ -93,6 +93,10 @@ impl Panel {
 }
 
 /// A round distance between at most `count` numbers, besides 0, on an axis that ends at `end`.
+#[expect(
+    clippy::disallowed_methods,
+    reason = "a step between numbers on an axis, which is looked at"
+)]
 fn step(end: f64, count: f64) -> f64 {
     let least = end / count;
     let power = 10_f64.powf(least.log10().floor());

@@ -7,7 +7,7 @@ use super::buffer::{LINE, padded};
 use super::emulated;
 use super::pair::Pair;
 use super::product::{Left, PANEL, PairProduct};
-use super::simd::Simd;
+use crate::learner::simd::Simd;
 use pulp::Arch;
 use pulp::core_arch::x86::Avx512bf16;
 use std::arch::x86_64::{

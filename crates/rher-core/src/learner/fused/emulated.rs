@@ -4,7 +4,7 @@
 use super::buffer::{LINE, padded};
 use super::pair::Pair;
 use super::product::{PANEL, PairProduct};
-use super::simd::Simd;
+use crate::learner::simd::Simd;
 use pulp::Arch;
 
 /// Rows of a tile: as many as leave registers for a row of the right matrix.
@@ -32,6 +32,7 @@ pub(super) fn multiply(simd: Simd, product: &mut PairProduct<'_>) {
 }
 
 /// sum + x · y, which is the same in one step and in two.
+#[expect(clippy::disallowed_methods, reason = "chosen where it is an instruction")]
 #[inline(always)]
 fn add_product<const FUSED: bool>(x: f32, y: f32, sum: f32) -> f32 {
     if FUSED { x.mul_add(y, sum) } else { sum + x * y }

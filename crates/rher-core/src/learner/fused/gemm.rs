@@ -9,7 +9,7 @@
 
 use super::portable;
 use super::product::Product;
-use super::simd::Simd;
+use crate::learner::simd::Simd;
 use gemm_f32::microkernel;
 use pulp::Arch;
 

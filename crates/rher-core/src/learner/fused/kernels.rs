@@ -1,6 +1,6 @@
 //! The passes over memory that are not matrix products.
 //!
-//! Plain loops: [`Simd::run`](super::simd::Simd::run) compiles them for the machine, which needs
+//! Plain loops: [`Simd::run`](crate::learner::simd::Simd::run) compiles them for the machine, which needs
 //! them inlined there. A matrix is a slice of rows of `stride` numbers, of which the first as many
 //! as the other operands have are used.
 #![expect(clippy::inline_always, reason = "vector instructions reach only what is inlined")]

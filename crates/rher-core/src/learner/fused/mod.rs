@@ -4,6 +4,7 @@ mod buffer;
 #[cfg(target_arch = "x86_64")]
 mod dot;
 mod emulated;
+mod fma;
 mod gemm;
 mod kernels;
 mod network;
@@ -14,13 +15,13 @@ mod pass;
 mod peak;
 mod portable;
 mod product;
-mod simd;
 mod slice;
 #[cfg(test)]
 mod tests;
 mod threads;
 
 use super::engine::{Engine, Losses, NotFinite};
+use super::simd::Simd;
 use super::state::LearnerState;
 use crate::batch::Batch;
 use crate::config::{AgentConfig, TargetEvery};
@@ -29,7 +30,6 @@ use network::Network;
 use optimizer::Move;
 use pair_gemm::PairGemm;
 use pass::Machine;
-use simd::Simd;
 use slice::{Job, Slice, Sums};
 use threads::{Threads, for_each};
 
@@ -61,7 +61,7 @@ pub struct FusedEngine {
 impl FusedEngine {
     /// An engine that continues from `state`.
     pub fn from_state(config: &AgentConfig, state: LearnerState) -> Self {
-        Self::on(Simd::detect(), config, state)
+        Self::on(Simd::chosen_or_fastest(), config, state)
     }
 
     fn on(simd: Simd, config: &AgentConfig, state: LearnerState) -> Self {

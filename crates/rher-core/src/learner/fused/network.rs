@@ -4,9 +4,9 @@ use super::buffer::{Buffer, padded};
 use super::kernels;
 use super::pair::{self, Pair};
 use super::product::PANEL;
-use super::simd::Simd;
 use crate::config::Precision;
 use crate::learner::network::{Layer, Shape};
+use crate::learner::simd::Simd;
 use crate::learner::state::Trained;
 use std::ops::Range;
 

@@ -34,8 +34,9 @@ impl Network {
             machine,
             how,
             step: Step {
-                rate: (f64::from(how.learning_rate) / (1.0 - f64::from(BETA_1).powf(steps))) as f32,
-                inverse_root: (1.0 - f64::from(BETA_2).powf(steps)).sqrt().recip() as f32,
+                rate: (f64::from(how.learning_rate) / (1.0 - libm::pow(f64::from(BETA_1), steps)))
+                    as f32,
+                inverse_root: (1.0 - libm::pow(f64::from(BETA_2), steps)).sqrt().recip() as f32,
             },
             gradients,
         };

@@ -4,7 +4,7 @@
 use super::dot::Dot;
 use super::emulated;
 use super::product::PairProduct;
-use super::simd::Simd;
+use crate::learner::simd::Simd;
 
 /// The product by the best means of this machine.
 #[derive(Clone, Copy, Debug)]
@@ -53,7 +53,7 @@ mod tests {
         (0..count)
             .map(|_| {
                 let exponent = rng.random_range(-60..30);
-                rng.random_range(-2.0..2.0) * 2.0_f32.powi(exponent)
+                rng.random_range(-2.0..2.0) * libm::ldexpf(1.0, exponent)
             })
             .collect()
     }
@@ -99,7 +99,7 @@ mod tests {
                     });
                     out
                 };
-                let best = computed(PairGemm::new(Simd::detect()));
+                let best = computed(PairGemm::new(Simd::chosen_or_fastest()));
                 for simd in Simd::every() {
                     let emulated = computed(PairGemm::Emulated(simd));
                     let bits = |out: &[f32]| out.iter().map(|x| x.to_bits()).collect::<Vec<_>>();

@@ -7,8 +7,8 @@ use super::network::{Dense, Network, Parameters};
 use super::pair::{self, Pair};
 use super::pair_gemm::PairGemm;
 use super::product::{Left, PANEL, PairProduct, Product};
-use super::simd::Simd;
 use crate::learner::network::Layer;
+use crate::learner::simd::Simd;
 
 /// What the passes run on.
 #[derive(Clone, Copy, Debug)]

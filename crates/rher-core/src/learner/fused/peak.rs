@@ -5,8 +5,8 @@ use super::gemm::Gemm;
 use super::pair::{self, Pair};
 use super::pair_gemm::PairGemm;
 use super::product::{Left, PANEL, PairProduct, Product};
-use super::simd::Simd;
 use crate::config::Precision;
+use crate::learner::simd::Simd;
 use std::time::{Duration, Instant};
 
 /// Floating-point operations per second of the engine's best product of `[rows, width]` and
@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 ///
 /// Takes a tenth of a second.
 pub fn gemm_peak(precision: Precision, rows: usize, width: usize) -> f64 {
-    let simd = Simd::detect();
+    let simd = Simd::chosen_or_fastest();
     let width = width.next_multiple_of(LINE);
     // Zeros would take less power than a network's numbers.
     let numbers = |count| (0..count).map(|index| (index % 29) as f32 - 14.0).collect::<Vec<_>>();

@@ -1,17 +1,16 @@
 //! Matrix products for machines without a vector unit that the micro-kernels know.
+//!
+//! The bits are those of the micro-kernels: a sum starts at zero, takes its fused products in their
+//! order, and is added to what is there at the end.
 
+use super::fma::multiply_add;
 use super::product::Product;
 
-/// Rows and columns of a tile: as much as sixteen registers of four numbers hold.
+/// Rows and columns of a tile.
 const TILE: (usize, usize) = (4, 8);
 
 /// Writes the product over its `out`, or adds it.
 pub(super) fn multiply(product: &mut Product<'_>) {
-    if !product.accumulate {
-        for row in product.out.chunks_mut(product.out_stride).take(product.rows) {
-            row[..product.columns].fill(0.0);
-        }
-    }
     let (tile_rows, tile_columns) = TILE;
     for column in (0..product.columns).step_by(tile_columns) {
         for row in (0..product.rows).step_by(tile_rows) {
@@ -32,14 +31,15 @@ fn multiply_tile(product: &mut Product<'_>, row: usize, column: usize) {
         for (index, sums) in tile.iter_mut().enumerate() {
             let x = left.at(row + index, k);
             for (sum, y) in sums.iter_mut().zip(right) {
-                *sum += x * y;
+                *sum = multiply_add(x, *y, *sum);
             }
         }
     }
+    let accumulate = product.accumulate;
     for (index, sums) in tile.iter().enumerate() {
         let out = &mut product.out[(row + index) * product.out_stride + column..][..TILE.1];
         for (out, sum) in out.iter_mut().zip(sums) {
-            *out += sum;
+            *out = if accumulate { *out + sum } else { *sum };
         }
     }
 }
@@ -49,9 +49,12 @@ fn multiply_edge(product: &mut Product<'_>, row: usize, column: usize) {
     for row in row..product.rows.min(row + TILE.0) {
         for column in column..product.columns.min(column + TILE.1) {
             let right = product.right[column..].iter().step_by(product.right_stride);
-            let products =
-                right.take(product.depth).enumerate().map(|(k, y)| product.left.at(row, k) * y);
-            product.out[row * product.out_stride + column] += products.sum::<f32>();
+            let sum = right
+                .take(product.depth)
+                .enumerate()
+                .fold(0.0, |sum, (k, y)| multiply_add(product.left.at(row, k), *y, sum));
+            let out = &mut product.out[row * product.out_stride + column];
+            *out = if product.accumulate { *out + sum } else { sum };
         }
     }
 }

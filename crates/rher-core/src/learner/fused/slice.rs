@@ -5,6 +5,7 @@ use super::network::Network;
 use super::pass::{Deltas, Gradient, Machine, Rows, Trace};
 use crate::batch::Batch;
 use crate::config::AgentConfig;
+use libm::tanhf;
 use std::ops::Range;
 
 /// Rows whose activations stay in a core's own cache, with the weights that they meet.
@@ -143,7 +144,7 @@ impl Slice {
                 {
                     let error = q - target;
                     *delta = 2.0 * error / batch.rows() as f32;
-                    self.sums.squared_errors += f64::from(error).powi(2);
+                    self.sums.squared_errors += square(error);
                     if index == 0 {
                         self.sums.q += f64::from(*q);
                         self.sums.q_min = self.sums.q_min.min(*q);
@@ -177,7 +178,7 @@ impl Slice {
             {
                 for ((to, output), draw) in row.iter_mut().zip(output).zip(noise) {
                     let noise = (config.target_noise * draw).clamp(-clip, clip);
-                    *to = (output.tanh() + noise).clamp(-1.0, 1.0);
+                    *to = (tanhf(*output) + noise).clamp(-1.0, 1.0);
                 }
             }
         }
@@ -224,7 +225,7 @@ impl Slice {
             let outputs = self.actor_trace.output().chunks_exact(stride);
             for (to, output) in self.simpler_actions.chunks_exact_mut(action).zip(outputs) {
                 for (to, output) in to.iter_mut().zip(output) {
-                    *to = output.tanh();
+                    *to = tanhf(*output);
                 }
             }
         }
@@ -235,9 +236,9 @@ impl Slice {
         let input = &mut self.critic_input[chunk.start * width..chunk.end * width];
         for (output, input) in actions.zip(input.chunks_exact_mut(width)) {
             for (x, to) in output[..action].iter_mut().zip(&mut input[batch.input_dim..]) {
-                *x = x.tanh();
+                *x = tanhf(*x);
                 *to = *x;
-                self.sums.squared_actions += f64::from(*x).powi(2);
+                self.sums.squared_actions += square(*x);
             }
         }
 
@@ -275,7 +276,7 @@ impl Slice {
             for (((delta, actions), simpler), _) in rows.filter(|(_, imitates)| **imitates) {
                 for ((delta, a), simpler) in delta.iter_mut().zip(actions).zip(simpler) {
                     *delta += weight * (a - simpler);
-                    self.sums.squared_distances += f64::from(a - simpler).powi(2);
+                    self.sums.squared_distances += square(a - simpler);
                 }
             }
         }
@@ -299,6 +300,10 @@ impl Slice {
 fn chunks(rows: usize) -> impl Iterator<Item = Range<usize>> {
     let count = rows.div_ceil(CHUNK_ROWS);
     (0..count).map(move |index| rows * index / count..rows * (index + 1) / count)
+}
+
+fn square(x: f32) -> f64 {
+    f64::from(x) * f64::from(x)
 }
 
 /// Writes `states` into the critics' input; the places of the actions, row by row.
