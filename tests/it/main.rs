@@ -13,6 +13,7 @@ mod learning;
 #[cfg(feature = "live")]
 mod live;
 mod options;
+mod plans;
 mod pretrained;
 mod python;
 mod recordings;

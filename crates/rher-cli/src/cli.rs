@@ -5,7 +5,7 @@ use crate::plot::{Clock, Measure};
 use crate::printer::Verbosity;
 use crate::values::{
     Assignment, Axis, ExperimentName, Seeds, engine, episodes, method, or_help, picture, precision,
-    preset, rate, recording, task, toml_integer, workers,
+    preset, rate, recording, task, time, toml_integer, workers,
 };
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use rher_core::config::{EngineKind, Method, Precision, Preset};
@@ -14,6 +14,7 @@ use rher_record::export::DatasetId;
 use rher_runs::Asked;
 use std::num::{NonZeroU64, NonZeroUsize};
 use std::path::PathBuf;
+use std::time::Duration;
 
 /// Relay Hindsight Experience Replay: robots that learn to push, pick and stack from sparse rewards.
 #[derive(Debug, Parser)]
@@ -34,6 +35,7 @@ impl Cli {
     pub(crate) fn verbosity(&self) -> Verbosity {
         match &self.command {
             Command::Train(train) if train.quiet => Verbosity::Quiet,
+            Command::Sweep(sweep) if sweep.parent.is_some() => Verbosity::Quiet,
             _ => Verbosity::Normal,
         }
     }
@@ -87,8 +89,8 @@ Examples:
   rher train tpush --from runs/dpush-rher-fast-1
   rher train --resume runs/push-rher-fast-1
 
-Ctrl-C finishes the episode, saves and exits 130; a second Ctrl-C exits at once. SIGTERM and SIGHUP do
-the same with 143 and 129, and end the program within 4 seconds, at worst with the last checkpoint.")]
+Ctrl-C saves and exits 130; a second Ctrl-C exits at once. SIGTERM and SIGUSR1 do the same with 143,
+SIGHUP with 129, and they end the program within 4 seconds, at worst with the last checkpoint.")]
 pub(crate) struct TrainArgs {
     /// Task to learn; `rher tasks` lists the tasks
     #[arg(required_unless_present = "resume", value_parser = task())]
@@ -147,7 +149,7 @@ pub(crate) struct TrainArgs {
     /// Resume the run in this folder, as if it had never stopped
     ///
     /// The settings come from the checkpoint; only --workers, --quiet, --record-every,
-    /// --tensorboard, --engine, --precision, --env-steps and --until may be given with it.
+    /// --tensorboard, --max-wall, --engine, --precision, --env-steps and --until may be given with it.
     #[arg(
         long,
         value_name = "DIR",
@@ -156,6 +158,10 @@ pub(crate) struct TrainArgs {
         ],
     )]
     pub(crate) resume: Option<PathBuf>,
+
+    /// Save the run and end with exit status 16 after this time, as in `90s`, `55m` or `4h`
+    #[arg(long, value_name = "TIME", value_parser = time)]
+    pub(crate) max_wall: Option<Duration>,
 
     /// Print errors only
     #[arg(short, long)]
@@ -172,41 +178,99 @@ Examples:
   rher sweep push --seeds 1-5
   rher sweep push --seeds 1-3 --set relay.mirror=0,0.5 --set agent.discount=0.95,0.98
   rher sweep push --set agent.hidden=[256,256],[256,256,256] --jobs 1
+  rher sweep push pick --seeds 1-10 --set relay.mirror=0,0.5 --plan plan.jsonl
+  rher sweep --plan plan.jsonl             train all of it here
+  rher sweep --plan plan.jsonl --cell 3    train one of its cells, on any machine
+  rher sweep --status plan.jsonl
 
 Every run has its own folder, as `rher train` makes it, and one thread. The same command again
-resumes runs that were interrupted, and does not touch finished ones.")]
+resumes runs that were interrupted, and does not touch finished ones.
+
+A plan is a file that machines with a common folder can share: each takes a cell at a time, and a
+cell that another one trains is left to it, with exit status 15. docs/sweeps.md has ready files for
+Slurm and Kubernetes.")]
 pub(crate) struct SweepArgs {
-    /// Task to learn; `rher tasks` lists the tasks
-    #[arg(value_parser = task())]
-    pub(crate) task: Task,
+    /// Tasks to learn; `rher tasks` lists the tasks
+    #[arg(value_name = "TASK", required_unless_present_any = ["plan", "status"], value_parser = task())]
+    pub(crate) tasks: Vec<Task>,
 
     /// A setting and its values, as in `--set relay.mirror=0,0.5`; may be repeated; `--set help` lists
     /// the settings
-    #[arg(long = "set", value_name = "KEY=VALUE,...", value_parser = or_help::<Axis>())]
+    #[arg(
+        long = "set",
+        value_name = "KEY=VALUE,...",
+        requires = "tasks",
+        value_parser = or_help::<Axis>(),
+    )]
     pub(crate) vary: Vec<Axis>,
 
     /// Preset to start from
-    #[arg(long, value_parser = preset(), value_name = "PRESET")]
+    #[arg(long, requires = "tasks", value_parser = preset(), value_name = "PRESET")]
     pub(crate) preset: Option<Preset>,
 
     /// TOML file with settings that all runs share
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, requires = "tasks", value_name = "FILE")]
     pub(crate) config: Option<PathBuf>,
 
     /// Training method [default: rher]
-    #[arg(long, value_parser = method(), value_name = "METHOD")]
+    #[arg(long, requires = "tasks", value_parser = method(), value_name = "METHOD")]
     pub(crate) method: Option<Method>,
 
+    /// Seeds for every combination of settings, as in `1-5` or `1,2,7`
+    #[arg(long, requires = "tasks", value_name = "SEEDS", default_value = "1-3")]
+    pub(crate) seeds: Seeds,
+
+    /// End every run after this many environment steps
+    #[arg(long, requires = "tasks", value_name = "N", value_parser = toml_integer(1))]
+    pub(crate) env_steps: Option<u64>,
+
     /// End a run after two consecutive evaluations with at least this success rate; 0 never ends it
-    #[arg(long, value_name = "RATE", value_parser = rate)]
+    #[arg(long, requires = "tasks", value_name = "RATE", value_parser = rate)]
     pub(crate) until: Option<f32>,
 
     /// Folder of the run folders; by default `runs/sweep-<TASK>`
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, requires = "tasks", value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
+
+    /// Plan: with tasks it is written, and nothing is trained; without, its cells are trained
+    #[arg(long, value_name = "FILE")]
+    pub(crate) plan: Option<PathBuf>,
+
+    /// Train this cell of the plan only, or continue it; the first cell is 0
+    #[arg(long, value_name = "K", requires = "plan", conflicts_with_all = ["tasks", "jobs", "json"])]
+    pub(crate) cell: Option<u64>,
+
+    /// Train the cell whose number is in this environment variable, such as `SLURM_ARRAY_TASK_ID`
+    #[arg(
+        long,
+        value_name = "VARIABLE",
+        requires = "plan",
+        conflicts_with_all = ["tasks", "cell", "jobs", "json"],
+    )]
+    pub(crate) cell_from: Option<String>,
+
+    /// Number of threads of a cell, which never changes the result
+    #[arg(long, value_name = "N", default_value = "1", conflicts_with_all = ["tasks", "jobs"], value_parser = workers)]
+    pub(crate) workers: NonZeroUsize,
+
+    /// Save a cell and end with exit status 16 after this time, as in `90s`, `55m` or `4h`
+    #[arg(long, value_name = "TIME", conflicts_with_all = ["tasks", "jobs"], value_parser = time)]
+    pub(crate) max_wall: Option<Duration>,
+
+    /// Say how far the cells of this plan are, and train nothing
+    #[arg(
+        long,
+        value_name = "PLAN",
+        conflicts_with_all = ["tasks", "plan", "jobs", "workers", "max_wall"],
+    )]
+    pub(crate) status: Option<PathBuf>,
 
     #[command(flatten)]
     pub(crate) runs: RunsArgs,
+
+    /// Process that started this one, with which it ends: for the program's own processes
+    #[arg(long, hide = true, value_name = "PID", requires = "cell")]
+    pub(crate) parent: Option<u32>,
 }
 
 #[derive(Debug, Args)]
@@ -231,13 +295,6 @@ pub(crate) struct ReproduceArgs {
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
 
-    #[command(flatten)]
-    pub(crate) runs: RunsArgs,
-}
-
-/// What commands that make many runs have in common.
-#[derive(Debug, Args)]
-pub(crate) struct RunsArgs {
     /// Seeds for every combination of settings, as in `1-5` or `1,2,7`
     #[arg(long, value_name = "SEEDS", default_value = "1-3")]
     pub(crate) seeds: Seeds,
@@ -246,11 +303,18 @@ pub(crate) struct RunsArgs {
     #[arg(long, value_name = "N", value_parser = toml_integer(1))]
     pub(crate) env_steps: Option<u64>,
 
+    #[command(flatten)]
+    pub(crate) runs: RunsArgs,
+}
+
+/// What commands that make many runs have in common.
+#[derive(Debug, Args)]
+pub(crate) struct RunsArgs {
     /// Number of runs at a time [default: one for each core]
     #[arg(long, value_name = "N")]
     pub(crate) jobs: Option<NonZeroUsize>,
 
-    /// Print JSON: an array with one object per combination of settings
+    /// Print JSON: an array with one object per combination of settings, or the status as one object
     #[arg(long)]
     pub(crate) json: bool,
 }

@@ -1,6 +1,6 @@
 //! What the exit status of `rher` means: a promise to scripts.
 
-use signal_hook::consts::{SIGHUP, SIGTERM};
+use signal_hook::consts::{SIGHUP, SIGTERM, SIGUSR1};
 use std::fmt::Write as _;
 use std::os::unix::process::ExitStatusExt as _;
 use std::process::ExitStatus;
@@ -40,11 +40,15 @@ pub(crate) enum Status {
     Address = 13,
     /// The run folder was moved, deleted or replaced.
     FolderGone = 14,
+    /// Another worker trains the cell of a plan.
+    Busy = 15,
+    /// The time of `--max-wall` is over; the run is saved.
+    TimeSpent = 16,
     /// Ended by SIGHUP, after saving.
     HungUp = 129,
     /// Ended by SIGINT, after saving.
     Interrupted = 130,
-    /// Ended by SIGTERM, after saving.
+    /// Ended by SIGTERM or SIGUSR1, after saving.
     Terminated = 143,
 }
 
@@ -66,6 +70,8 @@ impl Status {
         #[cfg(feature = "live")]
         Self::Address,
         Self::FolderGone,
+        Self::Busy,
+        Self::TimeSpent,
         Self::HungUp,
         Self::Interrupted,
         Self::Terminated,
@@ -77,11 +83,11 @@ impl Status {
             Self::Failure => "another error",
             Self::Usage => "the command line is wrong: an unknown task or option, or a bad value",
             Self::ConfigFile => "a settings file cannot be read, or has a wrong setting",
-            Self::ConfigVersion => "a settings file has another version",
+            Self::ConfigVersion => "a settings file or a plan has another version",
             Self::RunFolder => "the run folder is in use, already holds a run, or holds none",
             Self::Unwritable => "a file or folder cannot be written",
             Self::DiskFull => "the disk is full",
-            Self::Damaged => "a file of a run, or a policy file, is damaged",
+            Self::Damaged => "a file of a run, a policy file or a plan is damaged",
             Self::Environment => "the environment failed",
             Self::NotFinite => "NaN or infinity in an environment, a policy or the learner",
             Self::Recording => "a file is not a recording, or it is cut off or damaged",
@@ -89,9 +95,11 @@ impl Status {
             #[cfg(feature = "live")]
             Self::Address => "the program cannot listen on an address",
             Self::FolderGone => "the run folder was moved, deleted or replaced during the run",
+            Self::Busy => "another worker trains the cell of the plan",
+            Self::TimeSpent => "the time of --max-wall is over; the run is saved",
             Self::HungUp => "ended by SIGHUP; the run or the recording is saved",
             Self::Interrupted => "interrupted by Ctrl-C; the run or the recording is saved",
-            Self::Terminated => "ended by SIGTERM; the run or the recording is saved",
+            Self::Terminated => "ended by SIGTERM or SIGUSR1; the run or the recording is saved",
         }
     }
 
@@ -99,7 +107,7 @@ impl Status {
     pub(crate) const fn of_signal(signal: i32) -> Self {
         match signal {
             SIGHUP => Self::HungUp,
-            SIGTERM => Self::Terminated,
+            SIGTERM | SIGUSR1 => Self::Terminated,
             _ => Self::Interrupted,
         }
     }

@@ -3,7 +3,7 @@
 use crate::exit_code::Status;
 use anyhow::Context as _;
 use rustix::process::{Pid, getppid};
-use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGUSR1};
 use signal_hook::iterator::Signals;
 use std::ffi::OsString;
 use std::num::NonZeroUsize;
@@ -14,8 +14,8 @@ use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
 use std::thread;
 use std::time::Duration;
 
-/// How long a program that was asked to end by SIGTERM or SIGHUP may take: whoever sends them kills
-/// it soon after.
+/// How long a program that was asked to end by another signal than Ctrl-C may take: whoever sends
+/// them kills it soon after.
 const GRACE: Duration = Duration::from_secs(4);
 
 /// As many threads as were asked for, or as there are cores.
@@ -72,7 +72,7 @@ pub(crate) fn end_with_parent(parent: u32) -> bool {
 pub(crate) fn on_signals(mut act: impl FnMut(i32) + Send + 'static) -> anyhow::Result<()> {
     const CANNOT: &str = "cannot listen to signals";
     let ignored = ignored();
-    let heard = [SIGHUP, SIGINT, SIGTERM].into_iter();
+    let heard = [SIGHUP, SIGINT, SIGTERM, SIGUSR1].into_iter();
     let heard = heard.filter(|signal| ignored >> (signal - 1) & 1 == 0);
     let mut signals = Signals::new(heard).context(CANNOT)?;
     let listen = move || signals.forever().for_each(&mut act);
@@ -95,8 +95,9 @@ pub(crate) struct Stop {
 }
 
 impl Stop {
-    /// Listens to signals. At the first one `announce` gets `line`, which says what is done now;
-    /// the second one ends the program at once.
+    /// Listens to signals. At the first one `announce` gets `line`, which says what is done now; a
+    /// Ctrl-C after another signal ends the program at once. Other signals may come twice, from who
+    /// started the program and from who ends everything on the machine.
     pub(crate) fn listen(
         announce: impl Fn(&str) + Send + 'static,
         line: &'static str,
@@ -105,10 +106,14 @@ impl Stop {
         let Self { is_asked, signal: first } = stop.clone();
         on_signals(move |signal| {
             let status = Status::of_signal(signal) as i32;
-            first.store(signal, Ordering::Relaxed);
-            if is_asked.swap(true, Ordering::Relaxed) {
-                std::process::exit(status);
+            if is_asked.load(Ordering::Relaxed) {
+                if signal == SIGINT {
+                    std::process::exit(status);
+                }
+                return;
             }
+            first.store(signal, Ordering::Relaxed);
+            is_asked.store(true, Ordering::Relaxed);
             announce(line);
             if signal != SIGINT {
                 thread::spawn(move || {
@@ -118,6 +123,18 @@ impl Stop {
             }
         })?;
         Ok(stop)
+    }
+
+    /// Ends the program like a signal when `time` is over.
+    pub(crate) fn after(&self, time: Duration) -> anyhow::Result<()> {
+        let is_asked = Arc::clone(&self.is_asked);
+        let wait = move || {
+            thread::sleep(time);
+            is_asked.store(true, Ordering::Relaxed);
+        };
+        let timer = thread::Builder::new().name("timer".to_owned());
+        timer.spawn(wait).context("cannot start a thread")?;
+        Ok(())
     }
 
     /// Set when the program should end.
@@ -131,6 +148,9 @@ impl Stop {
 
     /// The exit status of a program that ended because it was asked to.
     pub(crate) fn status(&self) -> Status {
-        Status::of_signal(self.signal.load(Ordering::Relaxed))
+        match self.signal.load(Ordering::Relaxed) {
+            0 => Status::TimeSpent,
+            signal => Status::of_signal(signal),
+        }
     }
 }

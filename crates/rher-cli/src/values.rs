@@ -12,6 +12,7 @@ use std::marker::PhantomData;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::str::FromStr;
+use std::time::Duration;
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub(crate) enum ExperimentName {
@@ -238,6 +239,20 @@ pub(crate) fn rate(text: &str) -> Result<f32, String> {
     }
 }
 
+/// A time as in `90s`, `55m` or `4h`.
+pub(crate) fn time(text: &str) -> Result<Duration, String> {
+    let wrong = || "expected a time as in `90s`, `55m` or `4h`".to_owned();
+    let unit = match text.chars().next_back() {
+        Some('s') => 1.0,
+        Some('m') => 60.0,
+        Some('h') => 3600.0,
+        _ => return Err(wrong()),
+    };
+    let number: f64 = text[..text.len() - 1].parse().map_err(|_| wrong())?;
+    let is_sensible = number > 0.0 && number <= 1e6;
+    is_sensible.then(|| Duration::from_secs_f64(number * unit)).ok_or_else(wrong)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -252,6 +267,16 @@ mod tests {
         assert!("a.b=[1".parse::<Assignment>().is_err());
         assert!("a.b".parse::<Assignment>().is_err());
         assert!("a.b=".parse::<Assignment>().is_err());
+    }
+
+    #[test]
+    fn a_time_has_a_unit() {
+        assert_eq!(time("90s"), Ok(Duration::from_secs(90)));
+        assert_eq!(time("1.5m"), Ok(Duration::from_secs(90)));
+        assert_eq!(time("4h"), Ok(Duration::from_hours(4)));
+        for wrong in ["", "90", "m", "-1s", "0s", "nans", "infh", "1d", "1é"] {
+            assert!(time(wrong).is_err(), "{wrong}");
+        }
     }
 
     #[test]

@@ -8,6 +8,7 @@ mod metrics;
 mod pretrained;
 mod run;
 pub mod settings;
+pub mod sweep;
 
 pub use config_file::{CONFIG_FILE, ConfigFile, ConfigFileError};
 pub use difference::{OtherSettings, difference};

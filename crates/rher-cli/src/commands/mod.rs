@@ -1,6 +1,7 @@
 //! One module for each verb.
 
 mod bench;
+mod cell;
 mod config;
 mod eval;
 mod export;
@@ -10,6 +11,7 @@ mod replay;
 mod report;
 mod reproduce;
 mod stats;
+mod status;
 mod sweep;
 mod tasks;
 mod train;

@@ -3,7 +3,7 @@
 use crate::cli::{ReproduceArgs, SettingsArgs};
 use crate::exit_code::Status;
 use crate::host::{Program, threads};
-use crate::jobs::{self, Job};
+use crate::jobs::{Job, Work};
 use crate::printer::Printer;
 use crate::values::{Assignment, ExperimentName};
 use rher_core::config::{Method, Preset};
@@ -21,10 +21,12 @@ pub(crate) fn reproduce(
     let folder = || Path::new("runs").join(format!("reproduce-{name}"));
     let out = args.out.clone().unwrap_or_else(folder);
     printer.note(format_args!("the paper reports: {}", experiment.claim));
-    let seeds = &args.runs.seeds.0;
-    let of_seeds = |case: &Case| seeds.iter().map(|&seed| case.job(args, seed)).collect::<Vec<_>>();
+    let seeds = &args.seeds.0;
+    let of_seeds =
+        |case: &Case| seeds.iter().map(|&seed| case.job(args, &out, seed)).collect::<Vec<_>>();
     let jobs = experiment.cases.iter().flat_map(of_seeds).collect::<anyhow::Result<Vec<_>>>()?;
-    jobs::run(&jobs, threads(args.runs.jobs), &out, args.runs.json, program, printer)
+    let work = Work { jobs: &jobs, plan: None, at_a_time: threads(args.runs.jobs) };
+    work.run(args.runs.json, program, printer)
 }
 
 /// One experiment of the paper.
@@ -57,21 +59,21 @@ impl Case {
         self
     }
 
-    fn job(&self, args: &ReproduceArgs, seed: u64) -> anyhow::Result<Job> {
+    fn job(&self, args: &ReproduceArgs, out: &Path, seed: u64) -> anyhow::Result<Job> {
         let asked = SettingsArgs {
             preset: Some(args.preset.unwrap_or(Preset::Paper)),
             config: None,
             set: self.set.clone(),
             method: Some(self.method),
             seed: Some(seed),
-            env_steps: Some(args.runs.env_steps.unwrap_or(self.env_steps)),
+            env_steps: Some(args.env_steps.unwrap_or(self.env_steps)),
             until: Some(self.until),
             engine: None,
             precision: None,
             envs: self.envs,
         };
         let settings = settings::resolve_here(self.task, &(&asked).into())?;
-        Ok(Job { cell: self.label.clone(), task: self.task, settings })
+        Ok(Job::new(out, self.label.clone(), self.task, settings))
     }
 }
 

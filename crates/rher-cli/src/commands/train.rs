@@ -5,6 +5,7 @@ use crate::errors::ForeignTask;
 use crate::exit_code::Status;
 use crate::flops;
 use crate::host::{Stop, end_with_parent, threads};
+use crate::jobs::{Job, holds_run};
 use crate::numbers::{duration, percent, thousands};
 use crate::observe::{EventFile, ProgressView, Recorder, Watch};
 use crate::printer::Printer;
@@ -17,13 +18,14 @@ use rher_envs::{EnvVisitor, Simulated, Task};
 #[cfg(feature = "live")]
 use rher_record::{Live, Player};
 use rher_record::{RecordingFile, RecordingInfo, Source};
+use rher_runs::sweep::{Claim, Guard, Pulse};
 use rher_runs::{MetricsFile, RunDir, Settings, read_pretrained, settings};
-use std::num::NonZeroU64;
+use std::num::{NonZeroU64, NonZeroUsize};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
+use std::time::{Duration, Instant};
 
-const STOPPING: &str =
-    "finishing the episode and saving; Ctrl-C again exits at once, with the last checkpoint";
+const STOPPING: &str = "saving; Ctrl-C again exits at once, with the last checkpoint";
 
 pub(crate) fn train(args: &TrainArgs, printer: Printer) -> anyhow::Result<Status> {
     let TrainArgs { task, settings, workers, out, resume, record_every, parent, .. } = args;
@@ -36,10 +38,15 @@ pub(crate) fn train(args: &TrainArgs, printer: Printer) -> anyhow::Result<Status
         tensorboard: args.tensorboard,
         #[cfg(feature = "live")]
         live: args.live,
+        max_wall: args.max_wall,
+        claim: None,
         printer,
     };
     match (resume, task) {
-        (Some(path), _) => go_on(path, settings, how),
+        (Some(path), _) => {
+            let SettingsArgs { env_steps, until, engine, precision, .. } = *settings;
+            go_on(path, Changes { env_steps, until, engine, precision }, how)
+        }
         (None, Some(task)) => {
             let settings = settings::resolve_here(*task, &settings.into())?;
             let path = out.clone().unwrap_or_else(|| RunDir::default_path(&settings.config));
@@ -51,6 +58,44 @@ pub(crate) fn train(args: &TrainArgs, printer: Printer) -> anyhow::Result<Status
     }
 }
 
+/// What bounds the training of a cell.
+#[derive(Clone, Copy)]
+pub(super) struct Limits {
+    pub(super) workers: NonZeroUsize,
+    pub(super) max_wall: Option<Duration>,
+}
+
+/// Begins the run of a cell of a plan, or goes on with it.
+pub(super) fn train_cell(
+    job: &Job,
+    claim: &Claim,
+    limits: Limits,
+    printer: Printer,
+) -> anyhow::Result<Status> {
+    let how = How {
+        workers: limits.workers.get(),
+        record_every: None,
+        tensorboard: false,
+        #[cfg(feature = "live")]
+        live: None,
+        max_wall: limits.max_wall,
+        claim: Some((claim.guard(), claim.pulse())),
+        printer,
+    };
+    let Job { task, settings, folder, .. } = job;
+    if holds_run(folder)? {
+        let (env_steps, until) = (settings.config.env_steps, settings.config.until);
+        let changes = Changes {
+            env_steps: Some(env_steps),
+            until: Some(until),
+            engine: None,
+            precision: None,
+        };
+        return go_on(folder, changes, how);
+    }
+    begin(*task, settings.clone(), Start::New { path: folder.clone(), pretrained: None }, how)
+}
+
 /// What is no part of the experiment.
 struct How {
     workers: usize,
@@ -58,7 +103,18 @@ struct How {
     tensorboard: bool,
     #[cfg(feature = "live")]
     live: Option<std::net::SocketAddr>,
+    max_wall: Option<Duration>,
+    /// What the cell of a plan is claimed by.
+    claim: Option<(Guard, Pulse)>,
     printer: Printer,
+}
+
+/// What a resumed run may have otherwise than before.
+struct Changes {
+    env_steps: Option<u64>,
+    until: Option<f32>,
+    engine: Option<EngineKind>,
+    precision: Option<Precision>,
 }
 
 /// Starts a run in a folder of its own.
@@ -72,13 +128,12 @@ fn begin(
 }
 
 /// Goes on with the run in a folder.
-fn go_on(path: &Path, settings: &SettingsArgs, how: How) -> anyhow::Result<Status> {
+fn go_on(path: &Path, changes: Changes, how: How) -> anyhow::Result<Status> {
     let folder = RunDir::open(path)?;
     let config = checkpoint::read_config(path)?;
     let name = config.task.clone();
     let task: Task = name.parse().map_err(|_| ForeignTask { name })?;
-    let SettingsArgs { env_steps, until, engine, precision, .. } = *settings;
-    let start = Start::Resumed { folder, env_steps, until, engine, precision };
+    let start = Start::Resumed { folder, changes };
     let options = made_with(&checkpoint::read_variant(path)?, task)?;
     task.visit_with(&options, Session { config, start, how })?
 }
@@ -93,14 +148,8 @@ struct Session {
 enum Start {
     /// In a folder that is not there yet, perhaps from another run.
     New { path: PathBuf, pretrained: Option<Box<Pretrained>> },
-    /// From the checkpoint, with another end or arithmetic if they are given.
-    Resumed {
-        folder: RunDir,
-        env_steps: Option<u64>,
-        until: Option<f32>,
-        engine: Option<EngineKind>,
-        precision: Option<Precision>,
-    },
+    /// From the checkpoint, with what is changed.
+    Resumed { folder: RunDir, changes: Changes },
 }
 
 impl EnvVisitor for Session {
@@ -108,7 +157,8 @@ impl EnvVisitor for Session {
 
     fn visit<const N: usize, E: Simulated<N>>(self, build: impl Fn() -> E + Sync) -> Self::Output {
         let Self { config, start, how } = self;
-        let How { workers, record_every, tensorboard, printer, .. } = how;
+        let started = Instant::now();
+        let How { workers, record_every, tensorboard, printer, max_wall, claim, .. } = how;
         let envs: Vec<E> = (0..config.envs.max(workers)).map(|_| build()).collect();
         let made_with = envs[0].options().clone();
         let (folder, mut trainer, metrics) = match start {
@@ -122,7 +172,8 @@ impl EnvVisitor for Session {
                 let metrics = MetricsFile::create(&folder.metrics(), trainer.id())?;
                 (folder, trainer, metrics)
             }
-            Start::Resumed { folder, env_steps, until, engine, precision } => {
+            Start::Resumed { folder, changes } => {
+                let Changes { env_steps, until, engine, precision } = changes;
                 let before = config.agent.precision;
                 let path = folder.path();
                 let mut trainer = Trainer::resume_on(engine, precision, path, envs, workers)?;
@@ -198,8 +249,12 @@ impl EnvVisitor for Session {
         let progress = ProgressView::new(printer, trainer.config(), trainer.progress());
         let started_at = trainer.progress().env_steps;
         let events = tensorboard.then(|| EventFile::create(folder.path(), started_at));
+        if let Some((_, pulse)) = &claim {
+            pulse.report(started_at);
+        }
         let watch = Watch {
             folder,
+            claim,
             metrics,
             events: events.transpose()?,
             progress,
@@ -208,18 +263,24 @@ impl EnvVisitor for Session {
             live,
             last: None,
         };
-        run(trainer, watch, printer)
+        let left = max_wall.map(|time| time.saturating_sub(started.elapsed()));
+        run(trainer, watch, left, printer)
     }
 }
 
 fn run<const N: usize, E: Simulated<N>>(
     mut trainer: Trainer<N, E>,
     mut watch: Watch<E, N>,
+    left: Option<Duration>,
     printer: Printer,
 ) -> anyhow::Result<Status> {
     let path = watch.folder.path().to_owned();
+    let is_cell = watch.claim.is_some();
     printer.note(format_args!("run folder: {}", path.display()));
     let stop = Stop::listen(watch.progress.teller(), STOPPING)?;
+    if let Some(left) = left {
+        stop.after(left)?;
+    }
     let finish = trainer.run(Some(&path), &mut watch, stop.flag());
     watch.progress.finish();
     let recorded = watch.recorder.map(Recorder::finish).transpose();
@@ -239,6 +300,13 @@ fn run<const N: usize, E: Simulated<N>>(
         )),
     }
     printer.note(summary(finish, &trainer, watch.last.as_ref(), &watch.folder));
+    if finish == Finish::Stopped {
+        printer.note(if is_cell {
+            "the same command continues the cell".to_owned()
+        } else {
+            format!("`rher train --resume {}` continues the run", path.display())
+        });
+    }
     Ok(match finish {
         Finish::Solved | Finish::StepsSpent => Status::Success,
         Finish::Stopped => stop.status(),
@@ -288,10 +356,6 @@ fn summary<const N: usize, E: Simulated<N>>(
         flops::of_run(trainer.config(), trainer.spec(), updates) / 1e12
     ));
     lines.push(format!("policy  {}", folder.policy().display()));
-    if finish == Finish::Stopped {
-        let path = folder.path().display();
-        lines.push(format!("`rher train --resume {path}` continues the run"));
-    }
     lines.join("\n")
 }
 

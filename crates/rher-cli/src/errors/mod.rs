@@ -7,9 +7,11 @@ mod recordings;
 mod report;
 mod runs;
 mod settings;
+mod sweeps;
 
 pub(crate) use program::{ForeignTask, NoDatasetId, NotReal, OtherRun, RepeatedKey, SameRun};
 pub(crate) use report::Report;
+pub(crate) use sweeps::NoCellNumber;
 
 use crate::exit_code::Status;
 use crate::printer::StdoutError;
@@ -24,6 +26,7 @@ use rher_core::train::checkpoint::CheckpointError;
 use rher_core::train::{PretrainedError, TrainError};
 use rher_record::export::ExportError;
 use rher_record::{PlayError, ReadError};
+use rher_runs::sweep::{AttemptError, ClaimError, Lost, PlanError};
 use rher_runs::{
     ConfigFileError, MetricsError, OtherSettings, RunDirError, RunError, SettingsError,
 };
@@ -33,6 +36,11 @@ use std::error::Error;
 const KNOWN: &[fn(&(dyn Error + 'static)) -> Option<Report>] = &[
     explain::<SettingsError>,
     explain::<RunDirError>,
+    explain::<PlanError>,
+    explain::<ClaimError>,
+    explain::<AttemptError>,
+    explain::<Lost>,
+    explain::<NoCellNumber>,
     explain::<OtherSettings>,
     explain::<MetricsError>,
     explain::<ConfigFileError>,

@@ -12,11 +12,14 @@ use recorder::RecorderError;
 use rher_core::event::{Event, Metrics, Observer, ObserverError};
 use rher_core::files::FileError;
 use rher_envs::Simulated;
+use rher_runs::sweep::{Guard, Pulse};
 use rher_runs::{MetricsFile, RunDir};
 
 /// Writes metrics down, shows progress and records episodes.
 pub(crate) struct Watch<E, const N: usize> {
     pub(crate) folder: RunDir,
+    /// What the cell of a plan is claimed by.
+    pub(crate) claim: Option<(Guard, Pulse)>,
     pub(crate) metrics: MetricsFile,
     /// For `TensorBoard`.
     pub(crate) events: Option<EventFile>,
@@ -31,6 +34,9 @@ pub(crate) struct Watch<E, const N: usize> {
 impl<const N: usize, E: Simulated<N>> Watch<E, N> {
     /// What is written must be beside what was written before.
     fn check_folder(&self) -> Result<(), ObserverError> {
+        if let Some((guard, _)) = &self.claim {
+            guard.check().map_err(|lost| ObserverError(lost.into()))?;
+        }
         self.folder.check().map_err(|error| ObserverError(error.into()))
     }
 
@@ -48,7 +54,12 @@ impl<const N: usize, E: Simulated<N>> Watch<E, N> {
 impl<const N: usize, E: Simulated<N>> Observer for Watch<E, N> {
     fn on(&mut self, event: &Event) -> Result<(), ObserverError> {
         match event {
-            Event::Progress(progress) => self.progress.advance(*progress),
+            Event::Progress(progress) => {
+                self.progress.advance(*progress);
+                if let Some((_, pulse)) = &self.claim {
+                    pulse.report(progress.env_steps);
+                }
+            }
             Event::Evaluated(metrics) => {
                 self.check_folder()?;
                 let written = self.metrics.append(metrics);
