@@ -94,6 +94,42 @@ fn stopping_and_resuming_changes_nothing() {
 }
 
 #[test]
+fn stopped_at_any_moment_a_run_ends_with_the_same_bits() {
+    let mut config = config();
+    config.replay.updates_per_episode = 40;
+    config.evaluation.episodes = 40;
+    let expected = straight(config.clone(), 1);
+    let folder = tempfile::tempdir().unwrap();
+    let mut trainer = Trainer::new(config, envs(1), 1).unwrap();
+    let mut lines = Lines::default();
+    let (mut stops, mut within_updates) = (0_u64, 0);
+    loop {
+        let stop = AtomicBool::new(false);
+        let finish = std::thread::scope(|scope| {
+            scope.spawn(|| {
+                // Up to 4 ms, in steps that have no pattern.
+                let time = 4000 * (stops * 7919 % 101) / 101;
+                std::thread::sleep(std::time::Duration::from_micros(time));
+                stop.store(true, Ordering::Relaxed);
+            });
+            trainer.run(Some(folder.path()), &mut lines, &stop).unwrap()
+        });
+        if finish == Finish::StepsSpent {
+            break;
+        }
+        stops += 1;
+        // Four sub-tasks have a batch each.
+        within_updates += u64::from(!trainer.progress().updates.is_multiple_of(4 * 40));
+        if stops.is_multiple_of(3) {
+            trainer = Trainer::resume(folder.path(), envs(1), 1).unwrap();
+        }
+    }
+    assert!(stops > 20 && within_updates > 5, "{stops} stops, {within_updates} within updates");
+    let policy = fs::read(folder.path().join("policy.safetensors")).unwrap();
+    assert_eq!((timeless(&lines), policy), expected);
+}
+
+#[test]
 fn a_run_that_died_goes_on_from_its_last_evaluation() {
     let (expected, _) = straight(config(), 1);
     let folder = tempfile::tempdir().unwrap();

@@ -11,6 +11,7 @@ use crate::policy::{Mismatch, Policy};
 use crate::seed::{Purpose, Seed};
 use rand::RngExt as _;
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// What an evaluation found.
 ///
@@ -72,6 +73,18 @@ pub fn evaluate<const N: usize, E: Env<N>>(
     config: &EvaluationConfig,
     test_policy: TestPolicy,
 ) -> Result<Evaluation, EvaluateError> {
+    let evaluation = evaluate_until(&AtomicBool::new(false), envs, policy, config, test_policy)?;
+    Ok(evaluation.expect("nobody stops it"))
+}
+
+/// The same; `None` if `stop` was set before all episodes were played.
+pub(crate) fn evaluate_until<const N: usize, E: Env<N>>(
+    stop: &AtomicBool,
+    envs: &mut [E],
+    policy: &Policy,
+    config: &EvaluationConfig,
+    test_policy: TestPolicy,
+) -> Result<Option<Evaluation>, EvaluateError> {
     let spec = envs[0].spec();
     spec.validate()?;
     policy.info().check_spec(spec)?;
@@ -89,7 +102,7 @@ pub fn evaluate<const N: usize, E: Env<N>>(
         .collect();
 
     let workers = envs.len();
-    let mut results = envs
+    let results = envs
         .par_iter_mut()
         .enumerate()
         .map(|(worker, env)| {
@@ -98,6 +111,9 @@ pub fn evaluate<const N: usize, E: Env<N>>(
                 .skip(worker)
                 .step_by(workers)
                 .map(|&(stage, episode)| {
+                    if stop.load(Ordering::Relaxed) {
+                        return Ok(None);
+                    }
                     let Played { episode: played, .. } =
                         play(env, policy, stage, test_policy, Seed(config.env_seed), episode)?;
                     let end = played.achieved[played.achieved.len() - 1];
@@ -106,14 +122,13 @@ pub fn evaluate<const N: usize, E: Env<N>>(
                         || stage.index() < last && was_touched(stage, &played, &tolerances);
                     let distance = |end: &Achieved<N>| final_distance(stage, end, &played.desired);
                     let truly = env.truth().map(|end| distance(&end));
-                    Ok((stage.index(), met, distance(&end), truly))
+                    Ok(Some((stage.index(), met, distance(&end), truly)))
                 })
-                .collect::<Result<Vec<_>, EvaluateError>>()
+                .collect::<Result<Option<Vec<_>>, EvaluateError>>()
         })
-        .collect::<Result<Vec<_>, EvaluateError>>()?
-        .into_iter()
-        .map(Vec::into_iter)
-        .collect::<Vec<_>>();
+        .collect::<Result<Vec<_>, EvaluateError>>()?;
+    let Some(results) = results.into_iter().collect::<Option<Vec<_>>>() else { return Ok(None) };
+    let mut results = results.into_iter().map(Vec::into_iter).collect::<Vec<_>>();
     let in_order = (0..plays.len()).filter_map(|play| results[play % workers].next());
 
     let mut successes = vec![0_usize; stages.len()];
@@ -135,12 +150,12 @@ pub fn evaluate<const N: usize, E: Env<N>>(
         .chain([Some(success_final)])
         .collect();
     let mean = |sum: f64| (sum / config.episodes as f64) as f32;
-    Ok(Evaluation {
+    Ok(Some(Evaluation {
         success,
         success_final,
         final_distance: mean(distances),
         true_final_distance: true_distances.map(mean),
-    })
+    }))
 }
 
 /// An evaluation episode.

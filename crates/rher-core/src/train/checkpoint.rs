@@ -9,13 +9,14 @@
 //! ```
 //!
 //! A `.ckpt` file is magic, version, length, CRC-32, the state in postcard, and the parts of it
-//! that have got new fields since version 5 once more in JSON. A record is its episode's number,
+//! that have got new fields since version 5 once more in JSON; where a stop left something undone,
+//! that follows in JSON, too. A record is its episode's number,
 //! the episode as little-endian `f32`, and a CRC-32 of the run's identity and of both (earlier
 //! versions left the identity out). Records come first, so a state never counts an episode that is
 //! not there.
 
 use super::identity::run_id;
-use super::state::RunState;
+use super::state::{Pending, RunState};
 use crate::config::TrainConfig;
 use crate::env::EnvSpec;
 use crate::episode::Episode;
@@ -24,6 +25,7 @@ use crate::goal::{Achieved, Desired, Position, Scene};
 use crate::learner::state::{LearnerState, Trained};
 use crate::policy::{Critic, RunId};
 use crate::replay::Replay;
+use serde::Deserialize;
 use std::fs::{File, OpenOptions};
 use std::io::{self, Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
@@ -136,6 +138,10 @@ pub(super) fn write<const N: usize>(
         .map_err(|error| unwritten(io::Error::other(error)))?;
     serde_json::to_writer(&mut payload, &(&state.config, &state.encoder))
         .map_err(|error| unwritten(error.into()))?;
+    if state.pending != Pending::Nothing {
+        serde_json::to_writer(&mut payload, &state.pending)
+            .map_err(|error| unwritten(error.into()))?;
+    }
     let mut bytes = Vec::with_capacity(HEADER + payload.len());
     bytes.extend(MAGIC);
     bytes.extend(VERSION.to_le_bytes());
@@ -209,8 +215,13 @@ fn parse_state(path: &Path) -> Result<(RunState, LearnerState), CheckpointError>
     let ((mut state, learner), json): ((RunState, LearnerState), &[u8]) =
         postcard::take_from_bytes(payload).map_err(|error| damaged(error.to_string()))?;
     if found != WITHOUT_JSON {
-        (state.config, state.encoder) =
-            serde_json::from_slice(json).map_err(|error| damaged(error.to_string()))?;
+        let not_json = |error: serde_json::Error| damaged(error.to_string());
+        let mut json = serde_json::Deserializer::from_slice(json);
+        (state.config, state.encoder) = Deserialize::deserialize(&mut json).map_err(not_json)?;
+        if json.end().is_err() {
+            state.pending = Deserialize::deserialize(&mut json).map_err(not_json)?;
+            json.end().map_err(not_json)?;
+        }
     }
     state.check().and_then(|()| state.check_learner(&learner)).map_err(damaged)?;
     Ok((state, learner))

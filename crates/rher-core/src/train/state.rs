@@ -10,6 +10,21 @@ use crate::learner::state::{LearnerState, Trained};
 use crate::policy::PolicyInfo;
 use serde::{Deserialize, Serialize};
 
+/// What a stop left undone after the last episodes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) enum Pending {
+    /// Nothing: the next episodes follow.
+    #[default]
+    Nothing,
+    /// All updates but the first `done`, and what follows them.
+    Updates {
+        /// Updates that were made.
+        done: u64,
+    },
+    /// The evaluation.
+    Evaluation,
+}
+
 /// Everything of a run but its replay: what a checkpoint keeps beside it.
 ///
 /// There are no generator states in it: random streams are functions of the counts.
@@ -28,6 +43,8 @@ pub(super) struct RunState {
     pub(super) tally: Tally,
     pub(super) wall_s: f64,
     pub(super) seconds: Seconds,
+    #[serde(with = "crate::since_6")]
+    pub(super) pending: Pending,
 }
 
 impl RunState {
@@ -121,6 +138,7 @@ mod tests {
             tally: Tally::new(2, 1),
             wall_s: 0.0,
             seconds: Seconds::default(),
+            pending: Pending::Nothing,
             encoder,
             info,
             config,

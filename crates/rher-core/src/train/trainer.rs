@@ -7,7 +7,7 @@ use super::memory;
 use super::play::{Played, explore_once};
 use super::pretrained::Pretrained;
 use super::rows::SubtaskBatch;
-use super::state::RunState;
+use super::state::{Pending, RunState};
 use super::tally::{SourceCounts, Tally};
 use crate::batch::Batch;
 use crate::config::{
@@ -15,7 +15,7 @@ use crate::config::{
 };
 use crate::env::{Env, EnvSpec};
 use crate::episode::Episode;
-use crate::evaluate::{Evaluation, evaluate};
+use crate::evaluate::{Evaluation, evaluate_until};
 use crate::event::{Event, Observer, Progress, Seconds};
 use crate::explore::{ActionLog, Curriculum, Decision, Explorer, Selection};
 use crate::files::FileError;
@@ -146,6 +146,7 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
             tally: Tally::new(spec.subtasks, N),
             wall_s: 0.0,
             seconds: Seconds::default(),
+            pending: Pending::Nothing,
             encoder,
             info,
             config,
@@ -302,7 +303,9 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
     /// Whether and why the run is at its end.
     pub fn finished(&self) -> Option<Finish> {
         let config = &self.state.config;
-        if config.is_solved(self.state.last_success) {
+        if self.state.pending != Pending::Nothing {
+            None
+        } else if config.is_solved(self.state.last_success) {
             Some(Finish::Solved)
         } else {
             (self.state.env_steps >= config.env_steps).then_some(Finish::StepsSpent)
@@ -312,7 +315,8 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
     /// Trains until the run is at its end, or until `stop` is set.
     ///
     /// With a `folder`, which is made if it is not there yet, a checkpoint and the policy are written there before the first step, at
-    /// every evaluation, and when stopped; stopping waits for the end of the episode. A policy there
+    /// every evaluation, and when stopped. Stopping waits for the end of an episode or an update,
+    /// whichever is under way; what is left undone by it follows when the run goes on. A policy there
     /// that is not that of the checkpoint, because a stop fell between the two, is written again.
     pub fn run(
         &mut self,
@@ -338,25 +342,56 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
                 return Ok(Finish::Stopped);
             }
             let started = Instant::now();
-            let episodes = self.explore(observer)?;
-            let learned = self.learn(episodes);
-            if matches!(learned, Err(TrainError::NotFinite { .. })) {
+            let went_on = self.go_on(observer, stop);
+            if matches!(went_on, Err(TrainError::NotFinite { .. })) {
                 self.save_to(folder, observer)?;
             }
-            learned?;
-            let due = self.evaluation_is_due(episodes);
-            let evaluation = due.then(|| self.evaluate()).transpose()?;
+            let went_on = went_on?;
             self.state.wall_s += started.elapsed().as_secs_f64();
+            if matches!(went_on, Iteration::Stopped) {
+                continue;
+            }
             observer.on(&Event::Progress(self.progress()))?;
-            if let Some(evaluation) = evaluation {
+            if let Iteration::Evaluated(evaluation) = went_on {
                 self.record(&evaluation, observer)?;
                 self.save_to(folder, observer)?;
             }
         }
     }
 
-    /// Plays one episode in every environment, and stores them.
-    fn explore(&mut self, observer: &mut dyn Observer) -> Result<u64, TrainError> {
+    /// Episodes, updates and, if it is due, an evaluation, or what is left of them.
+    fn go_on(
+        &mut self,
+        observer: &mut dyn Observer,
+        stop: &AtomicBool,
+    ) -> Result<Iteration, TrainError> {
+        let pending = std::mem::take(&mut self.state.pending);
+        if pending == Pending::Nothing && !self.explore(observer, stop)? {
+            return Ok(Iteration::Stopped);
+        }
+        if pending != Pending::Evaluation {
+            let done = if let Pending::Updates { done } = pending { done } else { 0 };
+            if let Some(undone) = self.learn(done, stop)? {
+                self.state.pending = undone;
+                return Ok(Iteration::Stopped);
+            }
+            if !self.evaluation_is_due() {
+                return Ok(Iteration::Learned);
+            }
+        }
+        if let Some(evaluation) = self.evaluate(stop)? {
+            return Ok(Iteration::Evaluated(evaluation));
+        }
+        self.state.pending = Pending::Evaluation;
+        Ok(Iteration::Stopped)
+    }
+
+    /// Plays one episode in every environment, and stores them; whether it was not stopped before.
+    fn explore(
+        &mut self,
+        observer: &mut dyn Observer,
+        stop: &AtomicBool,
+    ) -> Result<bool, TrainError> {
         let started = Instant::now();
         let RunState { config, info, curriculum, episodes, .. } = &self.state;
         let seed = Seed(config.seed);
@@ -370,11 +405,18 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
                 .enumerate()
                 .map(|(index, env)| {
                     let episode = episodes + index as u64;
+                    if stop.load(Ordering::Relaxed) {
+                        return Ok(None);
+                    }
                     explore_once(env, policy, &guide, &tolerances, seed, episode)
+                        .map(Some)
                         .map_err(|source| TrainError::Rollout { episode, source })
                 })
                 .collect::<Result<Vec<_>, _>>()
         })?;
+        let Some(played) = played.into_iter().collect::<Option<Vec<_>>>() else {
+            return Ok(false);
+        };
         let storing = Instant::now();
         let spec = self.envs[0].spec();
         let (tolerances, last_stage) = (spec.tolerances, spec.last_stage());
@@ -405,7 +447,7 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
         seconds.inference += inference;
         seconds.environment += (storing - started).as_secs_f64() - inference;
         seconds.relabel += storing.elapsed().as_secs_f64();
-        Ok(count as u64)
+        Ok(true)
     }
 
     /// The next training episode for those who look on.
@@ -427,64 +469,71 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
         }
     }
 
-    /// Makes the updates that belong to the last `episodes` episodes.
-    fn learn(&mut self, episodes: u64) -> Result<(), TrainError> {
+    /// Makes the updates that belong to the last episodes, of which `done` were made before; says what
+    /// is left if it was stopped within.
+    fn learn(&mut self, done: u64, stop: &AtomicBool) -> Result<Option<Pending>, TrainError> {
         let Self { state, pool, replay, relabeler, batches, noise, engine, .. } = self;
         let TrainConfig {
             seed,
             replay: ReplayConfig { updates_per_episode, warmup_episodes, focus, .. },
             agent,
+            envs,
             ..
         } = &state.config;
-        let (seed, rounds) = (*seed, *updates_per_episode as u64 * episodes);
+        let (seed, rounds) = (*seed, *updates_per_episode * envs);
         let AgentConfig { target_noise, target_every, .. } = *agent;
         if state.episodes <= *warmup_episodes {
-            return Ok(());
+            return Ok(None);
         }
         let rows = |batch: &SubtaskBatch<N>| batch.rows(*focus, &state.curriculum);
         let rows: Vec<Vec<Range<usize>>> = batches.iter().map(rows).collect();
+        let all = (rounds * batches.len()) as u64;
         // All of it inside the pool: entering it anew for every update would wait each time until
         // a busy machine lets the pool's thread on.
-        pool.install(|| {
-            for _ in 0..rounds {
-                for (SubtaskBatch { stages, batch }, rows) in batches.iter_mut().zip(&rows) {
-                    let drawing = Instant::now();
-                    let update = state.updates;
-                    let mut rng = Seed(seed).stream(Purpose::Batch, update);
-                    for (&stage, rows) in stages.iter().zip(rows) {
-                        let encoder = &state.encoder;
-                        let rewarded =
-                            relabeler.draw(replay, encoder, stage, batch, rows.clone(), &mut rng);
-                        state.tally.batch(stage, rewarded, rows.len());
-                    }
-                    let noise = &mut noise[..batch.rows() * batch.action_dim];
-                    if target_noise > 0.0 {
-                        noise.fill_with(|| rng.sample(StandardNormal));
-                    }
-                    let updating = Instant::now();
-                    let env_steps = state.env_steps;
-                    let not_finite =
-                        |source| TrainError::NotFinite { update, env_steps, seed, source };
-                    let losses = engine.update(batch, noise).map_err(not_finite)?;
-                    state.updates += 1;
-                    state.tally.update(&losses);
-                    state.seconds.relabel += (updating - drawing).as_secs_f64();
-                    state.seconds.update += updating.elapsed().as_secs_f64();
+        let done = pool.install(|| {
+            for done in done..all {
+                if stop.load(Ordering::Relaxed) {
+                    return Ok(done);
                 }
+                let turn = (done % batches.len() as u64) as usize;
+                let (SubtaskBatch { stages, batch }, rows) = (&mut batches[turn], &rows[turn]);
+                let drawing = Instant::now();
+                let update = state.updates;
+                let mut rng = Seed(seed).stream(Purpose::Batch, update);
+                for (&stage, rows) in stages.iter().zip(rows) {
+                    let encoder = &state.encoder;
+                    let rewarded =
+                        relabeler.draw(replay, encoder, stage, batch, rows.clone(), &mut rng);
+                    state.tally.batch(stage, rewarded, rows.len());
+                }
+                let noise = &mut noise[..batch.rows() * batch.action_dim];
+                if target_noise > 0.0 {
+                    noise.fill_with(|| rng.sample(StandardNormal));
+                }
+                let updating = Instant::now();
+                let env_steps = state.env_steps;
+                let not_finite = |source| TrainError::NotFinite { update, env_steps, seed, source };
+                let losses = engine.update(batch, noise).map_err(not_finite)?;
+                state.updates += 1;
+                state.tally.update(&losses);
+                state.seconds.relabel += (updating - drawing).as_secs_f64();
+                state.seconds.update += updating.elapsed().as_secs_f64();
             }
-            Ok::<_, TrainError>(())
+            Ok::<_, TrainError>(all)
         })?;
-        if target_every == TargetEvery::Episode {
+        let is_over = done >= all;
+        if is_over && target_every == TargetEvery::Episode {
             self.engine.move_targets();
         }
         self.policy = self.frozen();
-        Ok(())
+        Ok((!is_over).then_some(Pending::Updates { done }))
     }
 
-    fn evaluation_is_due(&self, episodes: u64) -> bool {
+    fn evaluation_is_due(&self) -> bool {
         let RunState { config, env_steps, episodes: now, .. } = &self.state;
         let every = config.evaluation.every_episodes;
-        now / every > (now - episodes) / every || *env_steps >= config.env_steps
+        let before = now - config.envs as u64;
+        now / every > before / every || *env_steps >= config.env_steps
     }
 
     /// Learns from the latest episodes which order of the objects to choose.
@@ -512,14 +561,15 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
         Policy::new(info.clone(), encoder.clone(), shape, self.engine.actor()).of_run(self.id)
     }
 
-    fn evaluate(&mut self) -> Result<Evaluation, TrainError> {
+    /// `None` if it was stopped within.
+    fn evaluate(&mut self, stop: &AtomicBool) -> Result<Option<Evaluation>, TrainError> {
         let started = Instant::now();
         self.learn_order();
         let TrainConfig { evaluation, exploration, .. } = &self.state.config;
         let (envs, policy) = (&mut self.envs, &self.policy);
         let evaluation = self
             .pool
-            .install(|| evaluate(envs, policy, evaluation, exploration.test_policy))
+            .install(|| evaluate_until(stop, envs, policy, evaluation, exploration.test_policy))
             .map_err(|source| TrainError::Evaluate { episode: self.state.episodes, source })?;
         self.state.seconds.evaluate += started.elapsed().as_secs_f64();
         Ok(evaluation)
@@ -576,6 +626,15 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
         self.state.seconds.save += started.elapsed().as_secs_f64();
         Ok(())
     }
+}
+
+/// What became of the episodes and the updates between two looks at the end of a run.
+enum Iteration {
+    /// Something is left undone.
+    Stopped,
+    /// No evaluation was due.
+    Learned,
+    Evaluated(Evaluation),
 }
 
 /// Whether these environments are enough, valid, and all the same.
