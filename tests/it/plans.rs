@@ -1,6 +1,6 @@
 //! Plans: the cells of a sweep, for any number of machines.
 
-use crate::support::Rher;
+use crate::support::{Rher, shell};
 use insta::assert_snapshot;
 use serde_json::Value;
 use std::fs;
@@ -75,7 +75,12 @@ fn a_plan_says_what_is_to_be_trained_and_nothing_is() {
     // The same again is the same plan, and another one is refused.
     let before = fs::read(rher.path("plan.jsonl")).unwrap();
     rher.ok(&format!("sweep reach push {CELLS} --plan plan.jsonl"));
-    assert_snapshot!(rher.run(&format!("sweep push {CELLS} --plan plan.jsonl")), @"");
+    assert_snapshot!(rher.run(&format!("sweep push {CELLS} --plan plan.jsonl")), @"
+    exit 6
+    error: `plan.jsonl` is there already, and it is not the plan that would be written
+
+    hint: choose another file, or remove this one
+    ");
     assert_eq!(fs::read(rher.path("plan.jsonl")).unwrap(), before);
 }
 
@@ -88,7 +93,10 @@ fn cells_one_by_one_or_all_at_once_are_the_runs_of_the_sweep() {
         assert_eq!(ran.status, Some(0), "{ran}");
     }
     assert_eq!(states(&rher).iter().filter(|state| *state == "done").count(), 2);
-    assert_snapshot!(rher.run("sweep --plan plan.jsonl --cell 6"), @"");
+    assert_snapshot!(rher.run("sweep --plan plan.jsonl --cell 6"), @"
+    exit 0
+    cell 6 is done already: runs/sweep-reach-push/push,relay.mirror=0.5,seed=1
+    ");
     let folders: Vec<String> =
         lines(&rher)[1..].iter().map(|line| line["folder"].as_str().unwrap().to_owned()).collect();
     let attempt = fs::read(rher.path(&folders[6]).join("worker-0.jsonl")).unwrap();
@@ -114,7 +122,12 @@ fn a_cell_comes_from_an_environment_variable() {
     let output = command.env("JOB_COMPLETION_INDEX", "5").output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     assert_eq!(states(&rher)[5], "done");
-    assert_snapshot!(rher.run("sweep --plan plan.jsonl --cell-from NOT_SET"), @"");
+    assert_snapshot!(rher.run("sweep --plan plan.jsonl --cell-from NOT_SET"), @"
+    exit 2
+    error: the environment variable `NOT_SET` is not set, expected the number of a cell
+
+    hint: Slurm sets SLURM_ARRAY_TASK_ID in the jobs of an array, Kubernetes JOB_COMPLETION_INDEX in those of an Indexed Job; `--cell K` names a cell itself
+    ");
     let mut command = rher.command("sweep --plan plan.jsonl --cell-from JOB_COMPLETION_INDEX");
     let output = command.env("JOB_COMPLETION_INDEX", "five").output().unwrap();
     assert_eq!(output.status.code(), Some(2));
@@ -210,23 +223,67 @@ fn a_plan_that_is_not_what_was_written_is_refused() {
         edit(&rher, from, to);
         rher.run("sweep --plan plan.jsonl --cell 3")
     };
-    assert_snapshot!(with("{\"plan\":1", "{\"plan\":2"), @"");
-    assert_snapshot!(with("{\"cell\":2", "{\"cell:2"), @"");
-    assert_snapshot!(with("\"discount\":0.", "\"discount\":0.1"), @"");
-    assert_snapshot!(with("{\"cell\":3", "{\"cell\":4"), @"");
-    assert_snapshot!(with("\"folder\":\"runs/", "\"folder\":\"../runs/"), @"");
-    let ran = with("\"folder\":\"runs/", "\"folder\":\"cuns/");
-    assert_eq!(ran.status, Some(8), "{ran}");
+    assert_snapshot!(with("{\"plan\":1", "{\"plan\":2"), @"
+    exit 4
+    error: `plan.jsonl` is a plan of version 2, made by rher 0.1.0; expected version 1
+
+    hint: use it with the version of `rher` that made it, or write a new plan in another file
+    ");
+    assert_snapshot!(with("{\"cell\":3", "{\"cell\":4"), @"
+    exit 8
+    error: `plan.jsonl` is damaged: line 5: it is cell 4, expected cell 3
+
+    hint: restore the file, or write the plan again in another file; a plan is not edited
+    ");
+    assert_snapshot!(with("\"folder\":\"runs/", "\"folder\":\"../runs/"), @"
+    exit 8
+    error: `plan.jsonl` is damaged: line 2: `../runs/sweep-reach-push/reach,relay.mirror=0,seed=1` is no folder of a cell
+
+    hint: restore the file, or write the plan again in another file; a plan is not edited
+    ");
+    for (from, to, problem) in [
+        ("{\"cell\":2", "{\"cell:2", "line 4: unknown field `cell:2,`"),
+        ("\"folder\":\"runs/", "\"folder\":\"cuns/", "the hash of its cells is "),
+        (
+            "\"discount\":0.",
+            "\"discount\":0.1",
+            "the settings of cell 0 in `plan.jsonl` do not match",
+        ),
+    ] {
+        let ran = with(from, to);
+        assert_eq!(ran.status, Some(8), "{ran}");
+        assert!(ran.stderr.contains(problem) && ran.stderr.contains("hint: restore the "), "{ran}");
+    }
     let whole = String::from_utf8(good.clone()).unwrap();
     let (head, _) = whole.trim_end().rsplit_once('\n').unwrap();
     rher.write("plan.jsonl", format!("{head}\n"));
-    assert_snapshot!(rher.run("sweep --plan plan.jsonl"), @"");
+    assert_snapshot!(rher.run("sweep --plan plan.jsonl"), @"
+    exit 8
+    error: `plan.jsonl` is damaged: it has 7 cells, expected 8
+
+    hint: restore the file, or write the plan again in another file; a plan is not edited
+    ");
     rher.write("plan.jsonl", "no plan\n");
-    assert_snapshot!(rher.run("sweep --status plan.jsonl"), @"");
+    assert_snapshot!(rher.run("sweep --status plan.jsonl"), @"
+    exit 3
+    error: `plan.jsonl` is no plan: its first line is not the JSON that begins a plan
+
+    hint: `rher sweep TASK... --plan FILE` writes a plan
+    ");
     assert!(!rher.path("runs").exists());
     rher.write("plan.jsonl", &good);
-    assert_snapshot!(rher.run("sweep --plan plan.jsonl --cell 8"), @"");
-    assert_snapshot!(rher.run("sweep --plan nowhere.jsonl"), @"");
+    assert_snapshot!(rher.run("sweep --plan plan.jsonl --cell 8"), @"
+    exit 2
+    error: `plan.jsonl` has no cell 8: its cells are 0 to 7
+
+    hint: cells are counted from 0
+    ");
+    assert_snapshot!(rher.run("sweep --plan nowhere.jsonl"), @"
+    exit 3
+    error: cannot read `nowhere.jsonl`: No such file or directory (os error 2)
+
+    hint: `rher sweep TASK... --plan FILE` writes a plan
+    ");
     assert!(!rher.path("runs").exists());
 }
 
@@ -253,12 +310,110 @@ fn a_folder_that_another_plan_owns_is_left_alone() {
 #[test]
 fn options_of_a_grid_need_tasks() {
     let rher = planned();
-    for options in ["--seeds 1-5", "--set relay.mirror=1", "--out cells", "--env-steps 5"] {
+    for options in [
+        "--seeds 1-5",
+        "--set relay.mirror=1",
+        "--out cells",
+        "--env-steps 5",
+        "--workers 2",
+        "--max-wall 1h",
+    ] {
         let ran = rher.run(&format!("sweep --plan plan.jsonl {options}"));
         assert_eq!(ran.status, Some(2), "{options}: {ran}");
     }
-    for options in ["reach --plan plan.jsonl --cell 1", "--cell 1", "reach --max-wall 1h", ""] {
+    for options in [
+        "reach --plan plan.jsonl --cell 1",
+        "--cell 1",
+        "reach --max-wall 1h",
+        "--status plan.jsonl --cell 1",
+        "",
+    ] {
         let ran = rher.run(&format!("sweep {options}"));
         assert_eq!(ran.status, Some(2), "{options}: {ran}");
+    }
+}
+
+#[test]
+fn results_show_the_cells_that_are_missing_or_failed() {
+    let rher = planned();
+    for cell in [0, 1, 2, 4] {
+        rher.ok(&format!("sweep --plan plan.jsonl --cell {cell}"));
+    }
+    let failed = lines(&rher)[6]["folder"].as_str().unwrap().to_owned();
+    fs::create_dir_all(rher.path(&failed)).unwrap();
+    rher.write(&format!("{failed}/policy.safetensors"), "not one of ours");
+    assert_eq!(rher.run("sweep --plan plan.jsonl --cell 5").status, Some(5));
+
+    let stats: Value = serde_json::from_str(&rher.ok("stats plan.jsonl --json")).unwrap();
+    let groups = stats["groups"].as_array().unwrap();
+    let groups: Vec<_> =
+        groups.iter().map(|it| (&it["task"], &it["preset"], &it["seeds"])).collect();
+    let expected: Value = serde_json::json!([
+        ["reach", "fast relay.mirror=0", [1, 2]],
+        ["reach", "fast relay.mirror=0.5", [1]],
+        ["push", "fast relay.mirror=0", [1]],
+    ]);
+    assert_eq!(serde_json::to_value(groups).unwrap(), expected);
+    let unfinished = stats["unfinished"].as_array().unwrap().iter();
+    let states: Vec<_> = unfinished.map(|row| (&row["cell"], &row["state"])).collect();
+    let expected =
+        serde_json::json!([[3, "waiting"], [5, "failed"], [6, "waiting"], [7, "waiting"]]);
+    assert_eq!(serde_json::to_value(states).unwrap(), expected);
+
+    let text = rher.ok("stats plan.jsonl");
+    assert!(text.contains("Cells that are not done") && text.contains("already holds a run"));
+    let ran = rher.run("plot plan.jsonl -o curves.svg");
+    assert_eq!(ran.status, Some(0), "{ran}");
+    assert!(ran.stderr.contains("4 cells are not done"), "{ran}");
+    rher.ok("report plan.jsonl -o report.html");
+    let page = fs::read_to_string(rher.path("report.html")).unwrap();
+    assert!(page.contains("already holds a run") && page.contains("fast relay.mirror=0.5"));
+
+    // Nothing is unfinished where everything is done, and a plan is as good as its folders.
+    fs::remove_file(rher.path(&failed).join("policy.safetensors")).unwrap();
+    rher.ok("sweep --plan plan.jsonl");
+    let stats: Value = serde_json::from_str(&rher.ok("stats plan.jsonl --json")).unwrap();
+    assert_eq!(stats.get("unfinished"), None);
+}
+
+#[test]
+fn a_thousand_cells_are_read_in_no_time() {
+    let rher = tiny();
+    let cells = "reach --env-steps 50 --until 0 --config tiny.toml --plan plan.jsonl";
+    rher.ok(&format!("sweep {cells} --seeds 1-1000 --out cells"));
+    rher.ok("sweep --plan plan.jsonl --cell 0");
+    let [config, metrics, worker] = ["config.toml", "metrics.jsonl", "worker-0.jsonl"]
+        .map(|name| fs::read_to_string(rher.path("cells/seed=1").join(name)).unwrap());
+    // Runs of an earlier version have no checksums, so that they can be made here.
+    let settings = config.split_once('\n').unwrap().1;
+    let (metrics, _) = metrics.split_once(",\"run\"").unwrap();
+    for seed in 2..=990 {
+        let folder = format!("cells/seed={seed}");
+        fs::create_dir(rher.path(&folder)).unwrap();
+        let settings = settings.replacen("seed = 1\n", &format!("seed = {seed}\n"), 1);
+        rher.write(&format!("{folder}/config.toml"), settings);
+        rher.write(&format!("{folder}/metrics.jsonl"), format!("{metrics}}}\n").repeat(100));
+        let worker = worker.replacen("\"cell\":0", &format!("\"cell\":{}", seed - 1), 1);
+        rher.write(&format!("{folder}/worker-0.jsonl"), worker);
+    }
+    for command in ["sweep --status plan.jsonl --json", "stats plan.jsonl --json"] {
+        // Processor time, because other tests run beside this one.
+        let ran = shell(&rher, &format!("$RHER {command} > read.json && times"));
+        assert_eq!(ran.status, Some(0), "{ran}");
+        let times: Vec<&str> = ran.stdout.split_whitespace().collect();
+        let seconds = |time: &str| -> f64 {
+            let (minutes, seconds) = time.trim_end_matches('s').split_once('m').unwrap();
+            60.0 * minutes.parse::<f64>().unwrap() + seconds.parse::<f64>().unwrap()
+        };
+        let time = seconds(times[2]) + seconds(times[3]);
+        assert!(0.0 < time && time < 3.0, "{command}: {time} s");
+        let read = fs::read(rher.path("read.json")).unwrap();
+        let read: Value = serde_json::from_slice(&read).unwrap();
+        if command.starts_with("sweep") {
+            assert_eq!((&read["done"], &read["waiting"]), (&990.into(), &10.into()));
+        } else {
+            assert_eq!(read["groups"][0]["seeds"].as_array().unwrap().len(), 990);
+            assert_eq!(read["unfinished"].as_array().unwrap().len(), 10);
+        }
     }
 }

@@ -3,7 +3,7 @@
 use crate::support::{Rher, Running, TINY};
 use insta::assert_snapshot;
 use std::fs;
-use std::time::{Duration, SystemTime};
+use std::time::{Duration, Instant, SystemTime};
 
 /// Long enough for a kill to fall anywhere.
 fn run(out: &str) -> String {
@@ -54,6 +54,43 @@ fn ctrl_c_saves_and_the_run_goes_on() {
     assert!(rher.metrics("stopped").len() < rher.metrics("straight").len());
     rher.ok("train --quiet --resume stopped");
     assert_eq!(rher.metrics("stopped"), rher.metrics("straight"));
+}
+
+#[test]
+fn a_stop_within_updates_or_an_evaluation_is_quick_and_changes_nothing() {
+    let rher = Rher::new();
+    // The updates of an episode take longer than the first signals wait.
+    let run = "train push --quiet --workers 1 --env-steps 150 --until 0 --set agent.hidden=[32,32] \
+        --set replay.batch_size=32 --set replay.updates_per_episode=1500 \
+        --set replay.warmup_episodes=0 --set evaluation.every_episodes=1 \
+        --set evaluation.episodes=40 --set evaluation.subtask_episodes=10";
+    rher.ok(&format!("{run} --out straight"));
+    let checkpoint = rher.path("stopped/checkpoint/current.ckpt");
+    let mut stops = 0;
+    loop {
+        let running = rher.spawn(&if checkpoint.exists() {
+            "train --quiet --workers 1 --resume stopped".to_owned()
+        } else {
+            format!("{run} --out stopped")
+        });
+        std::thread::sleep(Duration::from_millis(50 + 37 * (stops % 5) + 20 * stops));
+        let asked = Instant::now();
+        running.send(["TERM", "USR1"][stops as usize % 2]);
+        let ran = running.end();
+        match ran.status {
+            Some(0) => break,
+            // Where the signal came before the program listened to it.
+            None => {}
+            Some(143) => stops += 1,
+            _ => panic!("{ran}"),
+        }
+        assert!(asked.elapsed() < Duration::from_secs(5), "{:?}", asked.elapsed());
+        assert!(stops < 100, "the run does not get on");
+    }
+    assert!(stops > 3, "only {stops} stops");
+    assert_eq!(rher.metrics("stopped"), rher.metrics("straight"));
+    let policy = |run: &str| fs::read(rher.path(run).join("policy.safetensors")).unwrap();
+    assert_eq!(policy("stopped"), policy("straight"));
 }
 
 #[test]

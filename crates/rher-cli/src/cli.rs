@@ -7,7 +7,7 @@ use crate::values::{
     Assignment, Axis, ExperimentName, Seeds, engine, episodes, method, or_help, picture, precision,
     preset, rate, recording, task, time, toml_integer, workers,
 };
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use rher_core::config::{EngineKind, Method, Precision, Preset};
 use rher_envs::Task;
 use rher_record::export::DatasetId;
@@ -189,6 +189,7 @@ resumes runs that were interrupted, and does not touch finished ones.
 A plan is a file that machines with a common folder can share: each takes a cell at a time, and a
 cell that another one trains is left to it, with exit status 15. docs/sweeps.md has ready files for
 Slurm and Kubernetes.")]
+#[command(group(ArgGroup::new("one").args(["cell", "cell_from"])))]
 pub(crate) struct SweepArgs {
     /// Tasks to learn; `rher tasks` lists the tasks
     #[arg(value_name = "TASK", required_unless_present_any = ["plan", "status"], value_parser = task())]
@@ -245,23 +246,23 @@ pub(crate) struct SweepArgs {
         long,
         value_name = "VARIABLE",
         requires = "plan",
-        conflicts_with_all = ["tasks", "cell", "jobs", "json"],
+        conflicts_with_all = ["tasks", "jobs", "json"],
     )]
     pub(crate) cell_from: Option<String>,
 
     /// Number of threads of a cell, which never changes the result
-    #[arg(long, value_name = "N", default_value = "1", conflicts_with_all = ["tasks", "jobs"], value_parser = workers)]
+    #[arg(long, value_name = "N", default_value = "1", requires = "one", value_parser = workers)]
     pub(crate) workers: NonZeroUsize,
 
     /// Save a cell and end with exit status 16 after this time, as in `90s`, `55m` or `4h`
-    #[arg(long, value_name = "TIME", conflicts_with_all = ["tasks", "jobs"], value_parser = time)]
+    #[arg(long, value_name = "TIME", requires = "one", value_parser = time)]
     pub(crate) max_wall: Option<Duration>,
 
     /// Say how far the cells of this plan are, and train nothing
     #[arg(
         long,
         value_name = "PLAN",
-        conflicts_with_all = ["tasks", "plan", "jobs", "workers", "max_wall"],
+        conflicts_with_all = ["tasks", "plan", "cell", "cell_from", "jobs"],
     )]
     pub(crate) status: Option<PathBuf>,
 
@@ -503,7 +504,7 @@ bootstrap intervals over the runs of a group, from a fixed seed: the same runs g
 The probability of improvement is the share of pairs of runs that the first group wins. Ties count
 half, and so do runs that ended before the other one reached the success rate.")]
 pub(crate) struct StatsArgs {
-    /// Run folders, each with `config.toml` and `metrics.jsonl`
+    /// Run folders, each with `config.toml` and `metrics.jsonl`, or plans of `rher sweep`
     #[arg(required = true, value_name = "RUN")]
     pub(crate) runs: Vec<PathBuf>,
 
@@ -527,7 +528,7 @@ same method and preset are one line, with a 95 % bootstrap band where there are 
 has ended keeps its last success. An SVG file is shown with the fonts of the viewer; a PNG file needs
 none.")]
 pub(crate) struct PlotArgs {
-    /// Run folders, each with `config.toml` and `metrics.jsonl`
+    /// Run folders, each with `config.toml` and `metrics.jsonl`, or plans of `rher sweep`
     #[arg(required = true, value_name = "RUN")]
     pub(crate) runs: Vec<PathBuf>,
 
@@ -553,7 +554,7 @@ Examples:
 The page is one file that opens in any browser, without a network. It has curves, the tables of
 `rher stats`, an episode of the first run of each group, and every setting.")]
 pub(crate) struct ReportArgs {
-    /// Run folders, each with `config.toml` and `metrics.jsonl`
+    /// Run folders, each with `config.toml` and `metrics.jsonl`, or plans of `rher sweep`
     #[arg(required = true, value_name = "RUN")]
     pub(crate) runs: Vec<PathBuf>,
 

@@ -2,7 +2,9 @@
 //!
 //! It is a library so that the Python package can have the same command: [`main`] is all of it.
 
+mod cells;
 mod children;
+mod chosen;
 mod cli;
 mod commands;
 mod errors;

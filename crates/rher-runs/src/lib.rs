@@ -16,5 +16,5 @@ pub use folder::{RunDir, RunDirError};
 pub use machine::Machine;
 pub use metrics::{Evaluation, METRICS_FILE, MetricsError, MetricsFile, read_evaluations};
 pub use pretrained::read_pretrained;
-pub use run::{Group, Groups, Repeated, Run, RunError, read_groups};
+pub use run::{Group, Groups, Repeated, Run, RunError};
 pub use settings::{Asked, Settings, SettingsError};

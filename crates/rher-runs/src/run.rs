@@ -12,6 +12,8 @@ use toml::Table;
 /// A run, read from its folder.
 #[derive(Clone, Debug)]
 pub struct Run {
+    /// Where it was read.
+    pub folder: PathBuf,
     /// What it has in common with the other seeds.
     pub group: Group,
     /// Seed of every random draw.
@@ -31,7 +33,7 @@ pub struct Group {
     pub task: String,
     /// Name of the method.
     pub method: String,
-    /// Name of the preset.
+    /// Name of the preset, and what a plan varies.
     pub preset: String,
 }
 
@@ -113,16 +115,16 @@ impl Run {
         };
         let (Task::Section { name: task } | Task::Name(task)) = task;
         let group = Group { task, method: relay.method, preset };
-        Ok(Self { group, seed, id, settings, evaluations })
+        Ok(Self { folder: folder.to_owned(), group, seed, id, settings, evaluations })
     }
 
     /// Whether this is the same run as `other`, perhaps at another time.
     fn is_same(&self, other: &Self) -> bool {
-        let same = |run: &Self| (run.seed, run.group.clone(), run.settings.clone());
-        match (self.id, other.id) {
-            (Some(id), Some(other)) => id == other,
-            _ => same(self) == same(other),
+        if let (Some(id), Some(other)) = (self.id, other.id) {
+            return id == other;
         }
+        let same_seed = (self.seed, &self.group) == (other.seed, &other.group);
+        same_seed && self.settings == other.settings
     }
 
     /// The last evaluation.
@@ -156,37 +158,32 @@ pub struct Repeated {
     pub counted: PathBuf,
 }
 
-/// Reads runs and sorts them into groups. A run that is there more than once, in one folder or in
-/// several, counts once: with its longest metrics.
-///
-/// # Errors
-///
-/// If one of them cannot be read.
-pub fn read_groups(folders: &[PathBuf]) -> Result<Groups, RunError> {
-    let mut repeated = Vec::new();
-    let mut runs: Vec<(&PathBuf, Run)> = Vec::new();
-    for folder in folders {
-        let run = Run::read(folder)?;
-        match runs.iter_mut().find(|(_, known)| known.is_same(&run)) {
-            None => runs.push((folder, run)),
-            Some((counted, known)) if known.evaluations.len() < run.evaluations.len() => {
-                repeated.push(Repeated { folder: counted.clone(), counted: folder.clone() });
-                (*counted, *known) = (folder, run);
+impl Groups {
+    /// Sorts runs into groups. A run that is there more than once, in one folder or in several, counts
+    /// once: with its longest metrics.
+    pub fn of(runs: Vec<Run>) -> Self {
+        let mut repeated = Vec::new();
+        let mut counted: Vec<Run> = Vec::new();
+        for mut run in runs {
+            let Some(known) = counted.iter_mut().find(|known| known.is_same(&run)) else {
+                counted.push(run);
+                continue;
+            };
+            if known.evaluations.len() < run.evaluations.len() {
+                std::mem::swap(known, &mut run);
             }
-            Some((counted, _)) => {
-                repeated.push(Repeated { folder: folder.clone(), counted: counted.clone() });
+            repeated.push(Repeated { folder: run.folder, counted: known.folder.clone() });
+        }
+        let mut groups: Vec<(Group, Vec<Run>)> = Vec::new();
+        for run in counted {
+            if let Some((_, runs)) = groups.iter_mut().find(|(group, _)| *group == run.group) {
+                runs.push(run);
+            } else {
+                let same_task = groups.iter().rposition(|(group, _)| group.task == run.group.task);
+                let place = same_task.map_or(groups.len(), |last| last + 1);
+                groups.insert(place, (run.group.clone(), vec![run]));
             }
         }
+        Self { groups, repeated }
     }
-    let mut groups: Vec<(Group, Vec<Run>)> = Vec::new();
-    for (_, run) in runs {
-        if let Some((_, runs)) = groups.iter_mut().find(|(group, _)| *group == run.group) {
-            runs.push(run);
-        } else {
-            let same_task = groups.iter().rposition(|(group, _)| group.task == run.group.task);
-            let place = same_task.map_or(groups.len(), |last| last + 1);
-            groups.insert(place, (run.group.clone(), vec![run]));
-        }
-    }
-    Ok(Groups { groups, repeated })
 }

@@ -1,16 +1,20 @@
 //! `rher plot`: learning curves.
 
-use super::stats::note_repeated;
+use crate::chosen::Chosen;
 use crate::cli::PlotArgs;
 use crate::plot::Figure;
 use crate::printer::Printer;
 use anyhow::Context as _;
 use rher_core::files;
-use rher_runs::{Groups, read_groups};
 
 pub(crate) fn plot(args: &PlotArgs, printer: Printer) -> anyhow::Result<()> {
-    let Groups { groups, repeated } = read_groups(&args.runs)?;
-    note_repeated(&repeated, printer);
+    let Chosen { groups, unfinished } = Chosen::read(&args.runs, printer)?;
+    if !unfinished.is_empty() {
+        let cells = unfinished.len();
+        printer.note(format_args!(
+            "{cells} cells are not done; `rher sweep --status PLAN` lists them"
+        ));
+    }
     let drawing = Figure { clock: args.x, measure: args.measure }.draw(&groups);
     let file = if args.out.extension().is_some_and(|extension| extension == "png") {
         let image =

@@ -1,6 +1,7 @@
 //! `rher report`: what runs came to, on one page that needs no other file.
 
-use super::stats::{NOTE, Stats, note_repeated, sections};
+use super::stats::{NOTE, Stats, sections};
+use crate::chosen::Chosen;
 use crate::cli::ReportArgs;
 use crate::film::{Animation, Film, SIZE};
 use crate::numbers::{duration, percent, thousands};
@@ -12,9 +13,9 @@ use base64::engine::general_purpose::STANDARD;
 use comfy_table::Table;
 use rher_core::files::{self, FileError};
 use rher_core::train::checkpoint::POLICY_FILE;
-use rher_runs::{CONFIG_FILE, Group, Groups, Machine, Run, RunError, read_groups};
+use rher_runs::{CONFIG_FILE, Group, Machine, Run};
 use std::fmt::{self, Write as _};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 const STYLE: &str = "\
 body { font: 15px/1.5 sans-serif; color: #222; max-width: 1100px; margin: 2em auto; padding: 0 1em }
@@ -25,10 +26,7 @@ figure { display: inline-block; margin: 0 1em 1em 0 } figcaption { color: #555 }
 svg, img { max-width: 100%; height: auto } pre { background: #f5f5f5; padding: .8em; overflow: auto }";
 
 pub(crate) fn report(args: &ReportArgs, printer: Printer) -> anyhow::Result<()> {
-    let Groups { groups, repeated } = read_groups(&args.runs)?;
-    note_repeated(&repeated, printer);
-    let counted = |folder: &&PathBuf| repeated.iter().all(|left_out| left_out.folder != **folder);
-    let runs: Vec<PathBuf> = args.runs.iter().filter(counted).cloned().collect();
+    let Chosen { groups, unfinished } = Chosen::read(&args.runs, printer)?;
     let mut page = Page::default();
     let titles: Vec<String> = groups.iter().map(|(group, _)| group.to_string()).collect();
     page.element("h1", &format!("Runs of {}", titles.join(", ")));
@@ -42,14 +40,14 @@ pub(crate) fn report(args: &ReportArgs, printer: Printer) -> anyhow::Result<()> 
         "Lines are means over runs; bands are 95 % bootstrap intervals. Dashed: what the authors \
          of the method published for the task, if they did.",
     );
-    for (title, table) in sections(&Stats::of(&groups)) {
+    for (title, table) in sections(&Stats::of(&groups, unfinished)) {
         page.table(title, &table);
     }
     page.element("p", NOTE);
 
     page.element("h2", "An episode");
-    for (group, _) in &groups {
-        match of_group(group, &runs)?.into_iter().find(|folder| has_policy(folder)) {
+    for (group, runs) in &groups {
+        match runs.iter().map(|run| &run.folder).find(|folder| has_policy(folder)) {
             Some(folder) => {
                 let caption =
                     format!("{group}: the first evaluation episode of {}", folder.display());
@@ -60,11 +58,11 @@ pub(crate) fn report(args: &ReportArgs, printer: Printer) -> anyhow::Result<()> 
     }
 
     page.element("h2", "Runs");
-    page.table("The last evaluation of each run", &listing(&runs)?);
+    page.table("The last evaluation of each run", &listing(&groups));
 
     page.element("h2", "Settings");
-    for (group, _) in &groups {
-        for folder in of_group(group, &runs)?.into_iter().take(1) {
+    for (group, runs) in &groups {
+        for Run { folder, .. } in runs.iter().take(1) {
             let path = folder.join(CONFIG_FILE);
             let settings = std::fs::read_to_string(&path);
             let settings = settings.map_err(FileError::read(&path))?;
@@ -73,21 +71,10 @@ pub(crate) fn report(args: &ReportArgs, printer: Printer) -> anyhow::Result<()> 
     }
 
     page.element("h2", "Hardware");
-    page.table("Programs and machines", &machines(&runs));
+    page.table("Programs and machines", &machines(&groups));
     files::replace(&args.out, page.finish(&titles.join(", ")).as_bytes())?;
     printer.note(format_args!("report  {}", args.out.display()));
     Ok(())
-}
-
-/// The folders whose runs are of a group.
-fn of_group<'a>(group: &Group, folders: &'a [PathBuf]) -> Result<Vec<&'a Path>, RunError> {
-    let mut same = Vec::new();
-    for folder in folders {
-        if Run::read(folder)?.group == *group {
-            same.push(folder.as_path());
-        }
-    }
-    Ok(same)
 }
 
 fn has_policy(folder: &Path) -> bool {
@@ -108,14 +95,13 @@ fn film(folder: &Path) -> anyhow::Result<Vec<u8>> {
     Ok(animation.map(Animation::finish).transpose()?.unwrap_or_default())
 }
 
-fn listing(folders: &[PathBuf]) -> anyhow::Result<Table> {
+fn listing(groups: &[(Group, Vec<Run>)]) -> Table {
     let mut listing = Table::new();
     listing.set_header(["folder", "task", "seed", "evaluations", "steps", "wall clock", "success"]);
-    for folder in folders {
-        let run = Run::read(folder)?;
+    for run in groups.iter().flat_map(|(_, runs)| runs) {
         let last = run.last();
         listing.add_row([
-            folder.display().to_string(),
+            run.folder.display().to_string(),
             run.group.to_string(),
             run.seed.to_string(),
             run.evaluations.len().to_string(),
@@ -124,14 +110,15 @@ fn listing(folders: &[PathBuf]) -> anyhow::Result<Table> {
             percent(last.success_final),
         ]);
     }
-    Ok(listing)
+    listing
 }
 
 /// What made each of the runs, as far as that was kept, and what made this page.
-fn machines(folders: &[PathBuf]) -> Table {
+fn machines(groups: &[(Group, Vec<Run>)]) -> Table {
     let mut machines = Table::new();
     machines.set_header(["what", "program", "system", "processor", "cores"]);
-    let runs = folders.iter().map(|path| (path.display().to_string(), Machine::of_run(path)));
+    let folders = groups.iter().flat_map(|(_, runs)| runs).map(|run| &run.folder);
+    let runs = folders.map(|path| (path.display().to_string(), Machine::of_run(path)));
     for (what, machine) in runs.chain([("this page".to_owned(), Ok(Some(Machine::here())))]) {
         let row = match machine {
             Ok(Some(Machine { program, system, processor, cores })) => {

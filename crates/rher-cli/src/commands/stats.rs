@@ -1,5 +1,7 @@
 //! `rher stats`: what runs reached, how soon, and how sure that is.
 
+use crate::cells::Row;
+use crate::chosen::{Chosen, UNFINISHED, unfinished};
 use crate::cli::StatsArgs;
 use crate::numbers::{duration, percent, thousands};
 use crate::plot::statistics::{
@@ -10,7 +12,7 @@ use crate::printer::Printer;
 use crate::tables::{table, text};
 use comfy_table::Table;
 use comfy_table::presets::ASCII_MARKDOWN;
-use rher_runs::{Evaluation, Group, Groups, Repeated, Run, read_groups};
+use rher_runs::{Evaluation, Group, Run};
 use serde::Serialize;
 
 /// Success rates whose first time is told.
@@ -26,6 +28,9 @@ const SOLVED: f64 = 0.95;
 /// What is printed.
 #[derive(Serialize)]
 pub(super) struct Stats {
+    /// Cells of plans that are not at their end.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    unfinished: Vec<Row>,
     groups: Vec<GroupStats>,
     comparisons: Vec<Comparison>,
 }
@@ -83,8 +88,7 @@ enum Time {
 }
 
 pub(crate) fn stats(args: &StatsArgs, printer: Printer) -> anyhow::Result<()> {
-    let Groups { groups, repeated } = read_groups(&args.runs)?;
-    note_repeated(&repeated, printer);
+    let Chosen { groups, unfinished } = Chosen::read(&args.runs, printer)?;
     for (group, runs) in &groups {
         if runs.iter().any(|run| run.settings != runs[0].settings) {
             printer.note(format_args!(
@@ -92,7 +96,7 @@ pub(crate) fn stats(args: &StatsArgs, printer: Printer) -> anyhow::Result<()> {
             ));
         }
     }
-    let stats = Stats::of(&groups);
+    let stats = Stats::of(&groups, unfinished);
     let output = if args.json {
         serde_json::to_string_pretty(&stats)?
     } else if args.markdown {
@@ -107,19 +111,10 @@ pub(crate) fn stats(args: &StatsArgs, printer: Printer) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Says which folders were left out because they hold a run that counts already.
-pub(super) fn note_repeated(repeated: &[Repeated], printer: Printer) {
-    for Repeated { folder, counted } in repeated {
-        let (folder, counted) = (folder.display(), counted.display());
-        printer.note(format_args!(
-            "note: `{folder}` has the settings and the seed of `{counted}` and is left out"
-        ));
-    }
-}
-
 impl Stats {
-    pub(super) fn of(groups: &[(Group, Vec<Run>)]) -> Self {
+    pub(super) fn of(groups: &[(Group, Vec<Run>)], unfinished: Vec<Row>) -> Self {
         Self {
+            unfinished,
             groups: groups.iter().map(|(group, runs)| GroupStats::of(group, runs)).collect(),
             comparisons: compare_all(groups),
         }
@@ -309,5 +304,6 @@ pub(super) fn sections(stats: &Stats) -> Vec<(&'static str, Table)> {
         }
         sections.push(("Probability of improvement", comparisons));
     }
+    sections.extend(unfinished(&stats.unfinished).map(|listing| (UNFINISHED, listing)));
     sections
 }

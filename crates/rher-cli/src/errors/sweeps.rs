@@ -2,8 +2,10 @@
 
 use super::report::{Explain, Report};
 use crate::exit_code::Status;
+use rher_core::files::FileError;
 use rher_runs::sweep::{AttemptError, ClaimError, Lost, PlanError};
 use std::fmt;
+use std::io;
 
 /// An environment variable does not say which cell is meant.
 #[derive(Debug, thiserror::Error)]
@@ -37,8 +39,11 @@ impl Explain for NoCellNumber {
 
 impl Explain for PlanError {
     fn report(&self) -> Option<Report> {
-        const WRITE: &str = "write the plan again with `rher sweep TASK... --plan FILE`";
+        const WRITE: &str = "`rher sweep TASK... --plan FILE` writes a plan";
         Some(match self {
+            Self::File(FileError { source, .. }) if source.kind() == io::ErrorKind::NotFound => {
+                Report::new(Status::ConfigFile, WRITE)
+            }
             Self::File(error) => return error.report(),
             Self::NotPlan { .. } => Report::new(Status::ConfigFile, WRITE),
             Self::Version { .. } => Report::new(

@@ -264,8 +264,8 @@ impl Plan {
 /// If the operating system does not say where this program is.
 pub fn from_plan(plan: &Path, folder: &Path) -> Result<PathBuf, FileError> {
     let absolute = |path: &Path| std::path::absolute(path).map_err(FileError::read(path));
-    let (from, to) = (absolute(folder_of(plan))?, absolute(folder)?);
-    Ok(to.strip_prefix(&from).map_or_else(|_| to.clone(), Path::to_owned))
+    let (plan, to) = (absolute(plan)?, absolute(folder)?);
+    Ok(to.strip_prefix(folder_of(&plan)).map_or_else(|_| to.clone(), Path::to_owned))
 }
 
 fn folder_of(plan: &Path) -> &Path {
