@@ -42,7 +42,9 @@ pub struct Claim {
 /// Says whether a claim still stands.
 #[derive(Clone, Debug)]
 pub struct Guard {
-    /// The file that another attempt would begin with.
+    /// The file of this attempt, which later ones remove.
+    own: PathBuf,
+    /// The file that the next attempt begins with.
     next: PathBuf,
     cell: usize,
 }
@@ -155,7 +157,11 @@ impl Guard {
     ///
     /// If another worker has taken over.
     pub fn check(&self) -> Result<(), Lost> {
-        if self.next.exists() { Err(Lost { cell: self.cell }) } else { Ok(()) }
+        if self.own.exists() && !self.next.exists() {
+            Ok(())
+        } else {
+            Err(Lost { cell: self.cell })
+        }
     }
 }
 
@@ -242,7 +248,8 @@ impl Claim {
             return Ok(None);
         }
         remove_earlier(folder, number)?;
-        let guard = Guard { next: attempt::path(folder, number + 1), cell };
+        let next = attempt::path(folder, number + 1);
+        let guard = Guard { own: path.clone(), next, cell };
         let pulse = Pulse::default();
         let (counted, at, of) = (path.clone(), first.len() as u64, pulse.clone());
         let counting = thread::Builder::new().name("claim".to_owned());
@@ -476,8 +483,13 @@ mod tests {
         thread::sleep(Duration::from_millis(50));
         let awake = take(folder.path()).unwrap().unwrap();
         assert!(asleep.guard().check().is_err());
-        asleep.end(&end(0)).unwrap();
         assert!(awake.guard().check().is_ok());
+        // Also when that worker has ended, and the next one has removed all traces of it.
+        awake.end(&end(143)).unwrap();
+        let last = take(folder.path()).unwrap().unwrap();
+        assert_eq!(files(folder.path()), ["worker-2.jsonl"]);
+        assert!(asleep.guard().check().is_err() && last.guard().check().is_ok());
+        asleep.end(&end(0)).unwrap();
         assert!(matches!(take(folder.path()), Err(ClaimError::Busy { .. })));
     }
 
