@@ -12,6 +12,7 @@ use crate::printer::Printer;
 use crate::trained::made_with;
 use rher_core::config::{EngineKind, Precision, TrainConfig};
 use rher_core::event::{Event, Metrics, Progress, Seconds};
+use rher_core::files::FileError;
 use rher_core::train::checkpoint;
 use rher_core::train::{Finish, Pretrained, Trainer};
 use rher_envs::{EnvVisitor, Simulated, Task};
@@ -206,18 +207,7 @@ impl EnvVisitor for Session {
         let (config, options) = (trainer.config().clone(), made_with);
         let settings = Settings { config, options };
         folder.write_config(&settings, trainer.id())?;
-        // What a killed process was recording.
-        for recovered in RecordingFile::recover(folder.path())? {
-            match recovered {
-                Ok(path) => {
-                    printer.note(format_args!("finished the recording `{}`", path.display()));
-                }
-                Err(error) => printer.warn(format_args!(
-                    "an unfinished recording stays as it is: {:#}",
-                    anyhow::Error::from(error)
-                )),
-            }
-        }
+        finish_recordings(&folder, printer)?;
         if let Some(finish) = trainer.finished() {
             // Its last policy may be missing, where a stop fell between two files.
             trainer.run(Some(folder.path()), &mut |_: &Event| Ok(()), &AtomicBool::new(false))?;
@@ -266,6 +256,22 @@ impl EnvVisitor for Session {
         let left = max_wall.map(|time| time.saturating_sub(started.elapsed()));
         run(trainer, watch, left, printer)
     }
+}
+
+/// Finishes what a killed process was recording.
+fn finish_recordings(folder: &RunDir, printer: Printer) -> Result<(), FileError> {
+    for recovered in RecordingFile::recover(folder.path())? {
+        match recovered {
+            Ok(path) => {
+                printer.note(format_args!("finished the recording `{}`", path.display()));
+            }
+            Err(error) => printer.warn(format_args!(
+                "an unfinished recording stays as it is: {:#}",
+                anyhow::Error::from(error)
+            )),
+        }
+    }
+    Ok(())
 }
 
 fn run<const N: usize, E: Simulated<N>>(

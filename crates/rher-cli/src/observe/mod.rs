@@ -34,10 +34,11 @@ pub(crate) struct Watch<E, const N: usize> {
 impl<const N: usize, E: Simulated<N>> Watch<E, N> {
     /// What is written must be beside what was written before.
     fn check_folder(&self) -> Result<(), ObserverError> {
-        if let Some((guard, _)) = &self.claim {
-            guard.check().map_err(|lost| ObserverError(lost.into()))?;
+        self.folder.check().map_err(|error| ObserverError(error.into()))?;
+        match &self.claim {
+            Some((guard, _)) => guard.check().map_err(|lost| ObserverError(lost.into())),
+            None => Ok(()),
         }
-        self.folder.check().map_err(|error| ObserverError(error.into()))
     }
 
     /// Training is worth more than its recording.
