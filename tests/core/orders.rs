@@ -9,6 +9,9 @@ use rher_core::goal::{Achieved, Desired, Position, Scene};
 use rher_core::train::Trainer;
 use std::sync::atomic::AtomicBool;
 
+/// The order is learned after 200 episodes, all in the given order; after that, what this world does
+/// no longer depends on the order that a policy chooses.
+///
 /// Two objects that nobody can move. At the end of an episode both are in their places if the first
 /// one lay nearer to the gripper, and else where they were.
 struct NearestFirst {
@@ -66,7 +69,7 @@ fn config(episodes: u64) -> TrainConfig {
     config.agent.hidden = vec![8];
     config.env_steps = 4 * episodes;
     config.replay.updates_per_episode = 1;
-    config.evaluation.every_episodes = 100;
+    config.evaluation.every_episodes = 200;
     config
 }
 
@@ -96,20 +99,20 @@ fn changed(trainer: &Trainer<2, NearestFirst>) -> [usize; 2] {
 
 #[test]
 fn a_policy_learns_which_order_succeeds() {
-    let [changed, rightly] = changed(&trained(config(400), NearestFirst::new()));
+    let [changed, rightly] = changed(&trained(config(200), NearestFirst::new()));
     assert!(changed > 35 && rightly > changed - 4, "{rightly} of {changed}");
 }
 
 #[test]
 fn the_given_order_stays_where_there_is_no_choice_or_nothing_to_choose_by() {
-    let mut without = config(400);
+    let mut without = config(200);
     without.relay.choose_order = false;
     let mut tower = NearestFirst::new();
     tower.spec.any_order = false;
     for trainer in [
-        trained(config(80), NearestFirst::new()),
+        trained(config(40), NearestFirst::new()),
         trained(without, NearestFirst::new()),
-        trained(config(400), tower),
+        trained(config(200), tower),
     ] {
         assert_eq!(changed(&trainer), [0, 0]);
     }
@@ -117,7 +120,7 @@ fn the_given_order_stays_where_there_is_no_choice_or_nothing_to_choose_by() {
 
 #[test]
 fn acting_in_another_order_is_acting_in_the_reordered_scene() {
-    let trainer = trained(config(400), NearestFirst::new());
+    let trainer = trained(config(200), NearestFirst::new());
     let mut env = NearestFirst::new();
     let swap = env.spec().permutations[0].clone();
     let mut actor = trainer.policy().actor(env.spec()).unwrap();
@@ -149,7 +152,7 @@ fn acting_in_another_order_is_acting_in_the_reordered_scene() {
 
 #[test]
 fn a_position_that_is_not_finite_begins_no_episode() {
-    let trainer = trained(config(400), NearestFirst::new());
+    let trainer = trained(config(200), NearestFirst::new());
     let mut env = NearestFirst::new();
     let Start { mut achieved, desired } = env.reset(1, &mut [0.0; 2]).unwrap();
     achieved.0.objects[1].x = f32::NAN;
@@ -164,6 +167,7 @@ fn a_resumed_run_chooses_as_before() {
     let mut first = Trainer::new(config(200), vec![NearestFirst::new()], 1).unwrap();
     let stop = AtomicBool::new(false);
     first.run(Some(folder.path()), &mut Lines::default(), &stop).unwrap();
+    assert!(changed(&first)[0] > 35);
     let mut resumed = Trainer::resume(folder.path(), vec![NearestFirst::new()], 1).unwrap();
     assert_eq!(resumed.policy(), first.policy());
     let mut lines = [Lines::default(), Lines::default()];
@@ -172,7 +176,6 @@ fn a_resumed_run_chooses_as_before() {
         trainer.run(None, lines, &stop).unwrap();
     }
     assert_eq!(resumed.policy(), first.policy());
-    assert!(changed(&resumed)[0] > 35);
 }
 
 #[test]

@@ -3,6 +3,7 @@
 pub mod checkpoint;
 mod error;
 mod identity;
+mod in_order;
 pub mod memory;
 mod play;
 mod pretrained;
