@@ -8,6 +8,7 @@ use rher_core::train::{Finish, TrainError, Trainer};
 use std::fs;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
 
 fn config() -> TrainConfig {
     let mut config = small("magnet", 2);
@@ -96,20 +97,24 @@ fn stopping_and_resuming_changes_nothing() {
 #[test]
 fn stopped_at_any_moment_a_run_ends_with_the_same_bits() {
     let mut config = config();
+    // Most of the time is that of updates, so that most stops fall there.
+    config.agent.hidden = vec![64, 64];
     config.replay.updates_per_episode = 40;
     config.evaluation.episodes = 40;
+    let started = Instant::now();
     let expected = straight(config.clone(), 1);
-    let folder = tempfile::tempdir().unwrap();
     let mut trainer = Trainer::new(config, envs(1), 1).unwrap();
+    let episodes = trainer.config().env_steps as u32 / trainer.spec().episode_steps as u32;
+    let an_episode = started.elapsed() / episodes;
+    let folder = tempfile::tempdir().unwrap();
     let mut lines = Lines::default();
     let (mut stops, mut within_updates) = (0_u64, 0);
     loop {
         let stop = AtomicBool::new(false);
         let finish = std::thread::scope(|scope| {
             scope.spawn(|| {
-                // Up to 4 ms, in steps that have no pattern.
-                let time = 4000 * (stops * 7919 % 101) / 101;
-                std::thread::sleep(std::time::Duration::from_micros(time));
+                // As long as up to two episodes and their updates, in steps that have no pattern.
+                std::thread::sleep(an_episode * (stops * 7919 % 101) as u32 * 2 / 101);
                 stop.store(true, Ordering::Relaxed);
             });
             trainer.run(Some(folder.path()), &mut lines, &stop).unwrap()
