@@ -64,19 +64,21 @@ fn help_names_the_verbs_and_every_exit_status() {
         1  another error
         2  the command line is wrong: an unknown task or option, or a bad value
         3  a settings file cannot be read, or has a wrong setting
-        4  a settings file has another version
+        4  a settings file or a plan has another version
         5  the run folder is in use, already holds a run, or holds none
         6  a file or folder cannot be written
         7  the disk is full
-        8  a file of a run, or a policy file, is damaged
+        8  a file of a run, a policy file or a plan is damaged
         9  the environment failed
        10  NaN or infinity in an environment, a policy or the learner
        11  a file is not a recording, or it is cut off or damaged
        12  a recorded episode does not reproduce
        14  the run folder was moved, deleted or replaced during the run
+       15  another worker trains the cell of the plan
+       16  the time of --max-wall is over; the run is saved
       129  ended by SIGHUP; the run or the recording is saved
       130  interrupted by Ctrl-C; the run or the recording is saved
-      143  ended by SIGTERM; the run or the recording is saved
+      143  ended by SIGTERM or SIGUSR1; the run or the recording is saved
     ");
 }
 
@@ -108,6 +110,7 @@ fn training_help_teaches() {
           --until <RATE>      End after two consecutive evaluations with at least this success rate; 0
                               never ends the run
           --engine <NAME>     Compute engine of the networks [possible values: burn, fused]
+          --precision <NAME>  Precision of the networks' matrix products [possible values: f32, bf16]
           --envs <N>          Number of environments that step side by side between updates; it changes
                               the result
           --workers <N>       Number of threads, which never changes the result [default: one for each
@@ -119,6 +122,8 @@ fn training_help_teaches() {
           --tensorboard       Write event files for `tensorboard --logdir runs`, with the numbers of
                               `metrics.jsonl`
           --resume <DIR>      Resume the run in this folder, as if it had never stopped
+          --max-wall <TIME>   Save the run and end with exit status 16 after this time, as in `90s`,
+                              `55m` or `4h`
       -q, --quiet             Print errors only
     ");
 }
@@ -657,6 +662,7 @@ fn speed_is_measured_for_programs_too() {
             "mean_ms_per_update",
             "ms_per_update",
             "peak_gflops",
+            "precision",
             "threads"
         ]
     );

@@ -187,8 +187,7 @@ Every run has its own folder, as `rher train` makes it, and one thread. The same
 resumes runs that were interrupted, and does not touch finished ones.
 
 A plan is a file that machines with a common folder can share: each takes a cell at a time, and a
-cell that another one trains is left to it, with exit status 15. docs/sweeps.md has ready files for
-Slurm and Kubernetes.")]
+cell that another one trains is left to it, with exit status 15. docs/sweeps.md explains both.")]
 #[command(group(ArgGroup::new("one").args(["cell", "cell_from"])))]
 pub(crate) struct SweepArgs {
     /// Tasks to learn; `rher tasks` lists the tasks
