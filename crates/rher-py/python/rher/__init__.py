@@ -12,6 +12,7 @@ from rher import env as _env
 from rher._rher import Policy, State, tasks
 from rher.env import IDS, TaskEnv
 from rher.errors import (
+    ClusterError,
     EnvError,
     FileError,
     InputError,
@@ -28,6 +29,7 @@ from rher.vector import TaskVectorEnv
 
 __all__ = [
     "IDS",
+    "ClusterError",
     "EnvError",
     "FileError",
     "InputError",

@@ -3,6 +3,7 @@
 import gymnasium.error
 
 __all__ = [
+    "ClusterError",
     "EnvError",
     "FileError",
     "InputError",
@@ -45,6 +46,10 @@ class EnvError(RherError, RuntimeError):
 
 class TrainError(RherError, RuntimeError):
     """A run cannot continue; what was saved before is unchanged."""
+
+
+class ClusterError(RherError, RuntimeError):
+    """Ray is not installed, or its cluster cannot be reached."""
 
 
 class InternalError(RherError, RuntimeError):
