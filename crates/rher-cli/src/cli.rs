@@ -67,9 +67,25 @@ pub(crate) enum Command {
     Report(ReportArgs),
     /// Print every setting of a run as TOML, for `rher train --config`
     Config(ConfigArgs),
+    /// Say what this machine is, and whether it computes the same bits as every other
+    Doctor(DoctorArgs),
     /// Measure the speed of this machine
     #[command(subcommand)]
     Bench(BenchCommand),
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct DoctorArgs {
+    /// Compute a little of push, dpush and drawer-box, and compare the hashes with those that every
+    /// machine must find
+    ///
+    /// Takes seconds, and minutes with `RHER_SIMD=portable`. The exit status is 1 if a hash differs.
+    #[arg(long)]
+    pub(crate) bits: bool,
+
+    /// Print JSON: an object
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 #[derive(Debug, Args)]

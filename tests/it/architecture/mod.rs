@@ -10,12 +10,13 @@ use std::path::Path;
 use std::sync::LazyLock;
 
 /// Every crate, and the crates of this repository that it may use.
-const CRATES: [(&str, &[&str]); 6] = [
+const CRATES: [(&str, &[&str]); 7] = [
     ("rher-core", &[]),
     ("rher-envs", &["rher_core"]),
+    ("rher-bits", &["rher_core", "rher_envs"]),
     ("rher-runs", &["rher_core", "rher_envs"]),
     ("rher-record", &["rher_core", "rher_envs"]),
-    ("rher-cli", &["rher_core", "rher_envs", "rher_runs", "rher_record"]),
+    ("rher-cli", &["rher_bits", "rher_core", "rher_envs", "rher_runs", "rher_record"]),
     ("rher-py", &["rher_core", "rher_envs", "rher_runs", "rher_cli"]),
 ];
 

@@ -3,6 +3,7 @@
 mod bench;
 mod cell;
 mod config;
+mod doctor;
 mod eval;
 mod export;
 mod play;
@@ -38,6 +39,7 @@ pub(crate) fn run(command: Command, program: &Program, printer: Printer) -> anyh
         Command::Plot(args) => plot::plot(&args, printer)?,
         Command::Report(args) => report::report(&args, printer)?,
         Command::Config(args) => config::config(&args, printer)?,
+        Command::Doctor(args) => doctor::doctor(&args, printer)?,
         Command::Bench(BenchCommand::Env(args)) => bench::env::bench_env(&args, program, printer)?,
         Command::Bench(BenchCommand::Update(args)) => bench::update::bench_update(&args, printer)?,
     }

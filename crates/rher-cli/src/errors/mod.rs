@@ -9,7 +9,9 @@ mod runs;
 mod settings;
 mod sweeps;
 
-pub(crate) use program::{ForeignTask, NoDatasetId, NotReal, OtherRun, RepeatedKey, SameRun};
+pub(crate) use program::{
+    ForeignTask, NoDatasetId, NotReal, OtherBits, OtherRun, RepeatedKey, SameRun,
+};
 pub(crate) use report::Report;
 pub(crate) use sweeps::NoCellNumber;
 
@@ -65,6 +67,7 @@ const KNOWN: &[fn(&(dyn Error + 'static)) -> Option<Report>] = &[
     explain::<RepeatedKey>,
     explain::<SameRun>,
     explain::<NotReal>,
+    explain::<OtherBits>,
 ];
 
 /// The report of whatever a command returned: that of the first cause that has one.

@@ -19,6 +19,24 @@ impl Explain for ForeignTask {
     }
 }
 
+/// This machine computes other bits than all others.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "this machine computes other bits than every other machine: {task} differs first in {part}"
+)]
+pub(crate) struct OtherBits {
+    pub(crate) task: &'static str,
+    pub(crate) part: &'static str,
+}
+
+impl Explain for OtherBits {
+    fn report(&self) -> Option<Report> {
+        let hint = "`docs/determinism.md` says what keeps them the same; please report what \
+                    `rher doctor --bits --json` prints";
+        Some(Report::new(Status::Failure, hint))
+    }
+}
+
 /// The format has no place for an identity.
 #[derive(Debug, thiserror::Error)]
 #[error("`--dataset-id` is for `--format minari`: a LeRobot dataset does not contain an identity")]
