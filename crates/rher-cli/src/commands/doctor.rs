@@ -85,7 +85,8 @@ fn show(findings: &Findings) -> String {
             let verdict = if *same { "same" } else { "DIFFERENT" };
             listing.add_row([task, part, found.as_str(), expected, verdict]);
         }
-        shown += &format!("\n{}", text(&listing));
+        shown.push('\n');
+        shown.push_str(&text(&listing));
     }
     shown
 }
