@@ -27,13 +27,13 @@ const EPISODES: u64 = 4;
 /// Steps for which a drawn action is kept.
 const KEPT: usize = 5;
 /// Rows of a batch for each sub-task: no whole number of vectors or tiles.
-const ROWS: usize = 100;
-/// Widths of the hidden layers, the first of which is no whole number of vectors.
-const HIDDEN: [usize; 2] = [100, 64];
+const ROWS: usize = 50;
+/// Widths of the hidden layers: no whole numbers of vectors.
+const HIDDEN: [usize; 2] = [50, 33];
 /// Updates of a learner.
-const UPDATES: usize = 200;
+const UPDATES: usize = 50;
 /// Updates with bf16, which are slower where there is no instruction for them.
-const BF16_UPDATES: usize = 50;
+const BF16_UPDATES: usize = 20;
 
 /// A part could not be computed.
 #[derive(Debug, thiserror::Error)]
@@ -55,7 +55,7 @@ pub enum MeasureError {
 
 /// The hash of a part of a task: 16 hexadecimal digits.
 ///
-/// With the instructions that `RHER_SIMD` chooses; takes seconds, with plain loops a minute.
+/// With the instructions that `RHER_SIMD` chooses; takes seconds, also with plain loops.
 ///
 /// # Errors
 ///
@@ -142,7 +142,7 @@ fn config(task: Task) -> TrainConfig {
     config.env_steps = 300;
     config.until = 0.0;
     config.replay.batch_size = ROWS;
-    config.replay.updates_per_episode = 10;
+    config.replay.updates_per_episode = 5;
     config.evaluation.every_episodes = 3;
     config.evaluation.episodes = 4;
     config.evaluation.subtask_episodes = 1;

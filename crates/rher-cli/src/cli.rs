@@ -79,7 +79,7 @@ pub(crate) struct DoctorArgs {
     /// Compute a little of push, dpush and drawer-box, and compare the hashes with those that every
     /// machine must find
     ///
-    /// Takes seconds, and minutes with `RHER_SIMD=portable`. The exit status is 1 if a hash differs.
+    /// Takes seconds. The exit status is 1 if a hash differs.
     #[arg(long)]
     pub(crate) bits: bool,
 
