@@ -50,7 +50,7 @@ mod _rher {
     use super::{Bound, PyImportError, PyModule, PyResult, Simd};
 
     #[pymodule_init]
-    fn init(_: &Bound<'_, PyModule>) -> PyResult<()> {
+    fn init(_module: &Bound<'_, PyModule>) -> PyResult<()> {
         Simd::chosen().map(drop).map_err(|error| PyImportError::new_err(error.to_string()))
     }
 }

@@ -17,7 +17,7 @@ use std::sync::Arc;
 /// A trained policy: `policy(observation, goal)` is an action.
 #[pyclass(frozen, module = "rher._rher")]
 pub(crate) struct Policy {
-    policy: Arc<CorePolicy>,
+    frozen: Arc<CorePolicy>,
     places: Places,
     /// Where the episodes began that it acts in, if it was told.
     begun: Option<Given>,
@@ -54,7 +54,7 @@ impl Policy {
                  the gripper is"
             ))
         })?;
-        Ok(Self { policy: Arc::new(policy), places, begun: None })
+        Ok(Self { frozen: Arc::new(policy), places, begun: None })
     }
 }
 
@@ -69,31 +69,31 @@ impl Policy {
 
     /// Writes a policy file; the file is complete or absent.
     fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
-        Ok(unlocked(py, || self.policy.save(&path))?.map_err(PolicyFailure)?)
+        Ok(unlocked(py, || self.frozen.save(&path))?.map_err(PolicyFailure)?)
     }
 
     /// Name of the environment that it was trained in.
     #[getter]
     fn task(&self) -> &str {
-        &self.policy.info().task
+        &self.frozen.info().task
     }
 
     /// Number of objects in its goals.
     #[getter]
     fn objects(&self) -> usize {
-        self.policy.info().objects
+        self.frozen.info().objects
     }
 
     /// Length of an observation.
     #[getter]
     fn observation_width(&self) -> usize {
-        self.policy.info().obs_dim
+        self.frozen.info().obs_dim
     }
 
     /// Length of an action.
     #[getter]
     fn action_width(&self) -> usize {
-        self.policy.info().action_dim
+        self.frozen.info().action_dim
     }
 
     /// The action for an observation and a goal, or the actions for a batch of them.
@@ -104,7 +104,7 @@ impl Policy {
         observation: &Bound<'py, PyAny>,
         goal: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
-        let PolicyInfo { objects, action_dim: action, .. } = *self.policy.info();
+        let PolicyInfo { objects, action_dim: action, .. } = *self.frozen.info();
         let (batch, given) = self.read(observation, goal)?;
         if let Some(begun) = &self.begun
             && begun.goals.len() != given.goals.len()
@@ -135,17 +135,13 @@ impl Policy {
         goal: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Self> {
         let (_, begun) = self.read(observation, goal)?;
-        let Self { policy, places, .. } = self;
-        Ok(Self { policy: Arc::clone(policy), places: places.clone(), begun: Some(begun) })
+        let Self { frozen, places, .. } = self;
+        Ok(Self { frozen: Arc::clone(frozen), places: places.clone(), begun: Some(begun) })
     }
 
     /// What unpickling and copying do.
     #[classmethod]
-    fn _from_bytes(
-        cls: &Bound<'_, PyType>,
-        file: &[u8],
-        begun: Option<(Vec<f32>, Vec<f32>, Option<Vec<f32>>)>,
-    ) -> PyResult<Self> {
+    fn _from_bytes(cls: &Bound<'_, PyType>, file: &[u8], begun: Option<Parts>) -> PyResult<Self> {
         let path = Path::new("a pickled policy");
         let policy = unlocked(cls.py(), || CorePolicy::from_bytes(file, path))?;
         let policy = Self::new(policy.map_err(PolicyFailure)?)?;
@@ -156,7 +152,7 @@ impl Policy {
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
         let py = slf.py();
-        let file = PyBytes::new(py, &slf.get().policy.to_bytes());
+        let file = PyBytes::new(py, &slf.get().frozen.to_bytes());
         let begun = slf.get().begun.clone();
         let begun =
             begun.map(|Given { observations, goals, achieved }| (observations, goals, achieved));
@@ -165,12 +161,15 @@ impl Policy {
 
     fn __repr__(&self) -> String {
         let PolicyInfo { task, objects, obs_dim: observation, action_dim: action, .. } =
-            self.policy.info();
+            self.frozen.info();
         format!(
             "Policy(task='{task}', objects={objects}, observation={observation}, action={action})"
         )
     }
 }
+
+/// A [`Given`] that is pickled.
+type Parts = (Vec<f32>, Vec<f32>, Option<Vec<f32>>);
 
 /// What a batch of actions is chosen by.
 #[derive(Clone)]
@@ -188,7 +187,7 @@ impl Policy {
         observation: &Bound<'py, PyAny>,
         goal: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<(Vec<usize>, Given)> {
-        let PolicyInfo { objects, obs_dim: width, .. } = *self.policy.info();
+        let PolicyInfo { objects, obs_dim: width, .. } = *self.frozen.info();
         let dict = observation.cast::<PyDict>().ok();
         let item = |name| match &dict {
             Some(dict) => dict.get_item(name),
@@ -228,7 +227,7 @@ impl Policy {
         row: usize,
         leg: Leg,
     ) -> PyResult<(Achieved<N>, Desired<N>)> {
-        let obs_dim = self.policy.info().obs_dim;
+        let obs_dim = self.frozen.info().obs_dim;
         let observation = &given.observations[row * obs_dim..(row + 1) * obs_dim];
         let goal = row * 3 * N..(row + 1) * 3 * N;
         let desired = positions::<N>(&given.goals[goal.clone()]);
@@ -251,10 +250,10 @@ impl Policy {
 
     /// The actions of the last sub-task, row by row.
     fn act<const N: usize>(&self, given: &Given) -> PyResult<Vec<f32>> {
-        let PolicyInfo { obs_dim, action_dim, subtasks, .. } = *self.policy.info();
+        let PolicyInfo { obs_dim, action_dim, subtasks, .. } = *self.frozen.info();
         let spec = EnvSpec::<N> { subtasks, ..EnvSpec::new("", obs_dim, action_dim, 1) };
         let unfit = |error| PolicyError::new_err(told(&error));
-        let mut actor = self.policy.actor(&spec).map_err(unfit)?;
+        let mut actor = self.frozen.actor(&spec).map_err(unfit)?;
         let stage = actor.task();
         let mut actions = vec![0.0; given.observations.len() / obs_dim * action_dim];
         for (row, action) in actions.chunks_exact_mut(action_dim).enumerate() {
