@@ -5,7 +5,8 @@
     python docs/archive/update_vs_pytorch.py target/release/rher
 
 Both do the same arithmetic: twin critics and an actor of 3 x 256 rectified units, 31 inputs,
-4 actions, layer normalization in the critics, Adam, target smoothing, an actor step and moved targets every second update.
+4 actions, layer normalization in the critics, Adam, target smoothing, an actor step and moved
+targets every second update.
 PyTorch is used as its documentation has it: eager mode, Adam with foreach, and torch.autocast for
 bf16. Ours is measured with `agent.precision` likewise. `--threads 2` counts time on the wall.
 """

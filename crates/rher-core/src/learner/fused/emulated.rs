@@ -2,7 +2,6 @@
 #![expect(clippy::inline_always, reason = "vector instructions reach only what is inlined")]
 
 use super::buffer::{LINE, padded};
-use super::pair::Pair;
 use super::product::{PANEL, PairProduct};
 use crate::learner::simd::Simd;
 use pulp::Arch;
@@ -65,12 +64,15 @@ fn multiply_tile<const ROWS: usize, const FUSED: bool>(
     for (k, right) in right.chunks_exact(width).enumerate() {
         let right = right[column - panel..].first_chunk::<LINE>();
         let right = right.expect("a panel's width is a whole number of lines");
-        let right = right.map(Pair::numbers);
+        let (mut first, mut second) = ([0.0; LINE], [0.0; LINE]);
+        for lane in 0..LINE {
+            (first[lane], second[lane]) = right[lane].numbers();
+        }
         for (index, sums) in tile.iter_mut().enumerate() {
-            let (first, second) = product.left.at(row + index, k).numbers();
-            for (sum, right) in sums.iter_mut().zip(&right) {
-                *sum = add_product::<FUSED>(second, right.1, *sum);
-                *sum = add_product::<FUSED>(first, right.0, *sum);
+            let (x, y) = product.left.at(row + index, k).numbers();
+            for lane in 0..LINE {
+                sums[lane] = add_product::<FUSED>(y, second[lane], sums[lane]);
+                sums[lane] = add_product::<FUSED>(x, first[lane], sums[lane]);
             }
         }
     }
