@@ -1,7 +1,9 @@
 //! In which order objects are brought to their targets, where any order will do.
 
 use super::distances::{self, features};
-use crate::env::{EnvSpec, Permutation, SignedIndex};
+#[cfg(feature = "train")]
+use crate::env::EnvSpec;
+use crate::env::{Permutation, SignedIndex};
 use crate::goal::{Achieved, Desired};
 #[cfg(feature = "train")]
 use nalgebra::{DMatrix, DVector};
@@ -38,6 +40,7 @@ pub(crate) struct Attempt<const N: usize> {
 
 impl OrderModel {
     /// Whether environments like `spec` leave a choice.
+    #[cfg(feature = "train")]
     pub(crate) fn applies<const N: usize>(spec: &EnvSpec<N>) -> bool {
         spec.any_order && !spec.permutations.is_empty()
     }
