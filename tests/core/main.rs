@@ -19,8 +19,8 @@ mod goals;
 #[cfg(feature = "train")]
 mod memory;
 #[cfg(feature = "train")]
-#[cfg(feature = "train")]
 mod orders;
+#[cfg(feature = "train")]
 mod policies;
 #[cfg(feature = "train")]
 mod pretrained;
