@@ -417,3 +417,15 @@ fn a_thousand_cells_are_read_in_no_time() {
         }
     }
 }
+
+#[test]
+fn a_finished_run_of_other_settings_in_the_folder_of_a_cell_is_not_the_cell() {
+    let rher = endless();
+    let folder = lines(&rher)[1]["folder"].as_str().unwrap().to_owned();
+    rher.ok(&format!(
+        "train reach --seed 7 --until 0 --env-steps 50 --config tiny.toml --quiet \
+         --out {folder}"
+    ));
+    assert_eq!(states(&rher), ["failed", "waiting"]);
+    assert_eq!(rher.run("sweep --plan plan.jsonl --cell 0").status, Some(5));
+}

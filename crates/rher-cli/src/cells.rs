@@ -2,7 +2,7 @@
 
 use crate::exit_code::Status;
 use rher_runs::sweep::{Beat, Cell, End, Life, Plan, Seen, look};
-use rher_runs::{MetricsError, read_evaluations};
+use rher_runs::{ConfigFile, MetricsError, OtherSettings, difference, read_evaluations};
 use serde::Serialize;
 use std::path::PathBuf;
 use std::thread;
@@ -129,6 +129,9 @@ fn state_of(status: u8) -> State {
 /// The state of a cell that no worker of the plan has begun, and its steps: the run may have been
 /// made otherwise.
 fn without_worker(plan: &Plan, cell: &Cell) -> (State, u64, Option<String>) {
+    if let Some(why) = other_run(plan, cell) {
+        return (State::Failed, 0, Some(why));
+    }
     let config = &cell.settings.config;
     let evaluations = match read_evaluations(&plan.folder(cell), None) {
         Err(MetricsError::Missing { .. }) => return (State::Waiting, 0, None),
@@ -141,6 +144,26 @@ fn without_worker(plan: &Plan, cell: &Cell) -> (State, u64, Option<String>) {
     let is_solved = rates.last_chunk().is_some_and(|last_two| config.is_solved(*last_two));
     let is_done = is_solved || env_steps >= config.env_steps;
     (if is_done { State::Done } else { State::Stopped }, env_steps, None)
+}
+
+/// Why what is in the folder of a cell is not its run.
+fn other_run(plan: &Plan, cell: &Cell) -> Option<String> {
+    let folder = plan.folder(cell);
+    let found = match ConfigFile::read(&folder) {
+        Ok(file) => file?.settings(),
+        Err(error) => Err(error),
+    };
+    let found = match found {
+        Ok(found) => found,
+        Err(error) => return Some(error.to_string()),
+    };
+    match difference(&found, &cell.settings) {
+        Ok(None) => None,
+        Ok(Some((key, found, asked))) => {
+            Some(OtherSettings { folder, key, found, asked }.to_string())
+        }
+        Err(error) => Some(error.to_string()),
+    }
 }
 
 impl State {
