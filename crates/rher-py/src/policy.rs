@@ -141,6 +141,7 @@ impl Policy {
 
     /// What unpickling and copying do.
     #[classmethod]
+    #[pyo3(signature = (file, begun=None))]
     fn _from_bytes(cls: &Bound<'_, PyType>, file: &[u8], begun: Option<Parts>) -> PyResult<Self> {
         let path = Path::new("a pickled policy");
         let policy = unlocked(cls.py(), || CorePolicy::from_bytes(file, path))?;

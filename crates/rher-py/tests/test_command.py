@@ -78,7 +78,12 @@ def test_its_runs_have_the_same_bits(program, command, tmp_path):
 def test_a_signal_saves_the_run_and_ends_it(command, name, status, tmp_path):
     arguments = f"train push --out run {TINY}".split()
     running = subprocess.Popen(
-        [*command, *arguments], cwd=tmp_path, stderr=subprocess.PIPE, text=True
+        [*command, *arguments],
+        cwd=tmp_path,
+        stderr=subprocess.PIPE,
+        text=True,
+        # Tests that run under `nohup` ignore SIGHUP, and what they start does, too.
+        preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_DFL),
     )
     metrics = tmp_path / "run" / "metrics.jsonl"
     deadline = time.monotonic() + 60
