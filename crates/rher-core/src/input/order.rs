@@ -45,8 +45,8 @@ impl OrderModel {
         spec.any_order && !spec.permutations.is_empty()
     }
 
-    /// A model of these attempts, all in the given order; `None` where too few of them succeeded or
-    /// failed to tell.
+    /// A model of these attempts, each with its objects in the order in which it was played; `None`
+    /// where too few of them succeeded or failed to tell.
     #[cfg(feature = "train")]
     pub(crate) fn fit<const N: usize>(
         spec: &EnvSpec<N>,
