@@ -19,6 +19,7 @@ mod slice;
 #[cfg(test)]
 mod tests;
 mod threads;
+mod unpaired;
 
 use super::engine::{Engine, Losses, NotFinite};
 use super::simd::Simd;

@@ -3,15 +3,19 @@
 #[cfg(target_arch = "x86_64")]
 use super::dot::Dot;
 use super::emulated;
+use super::gemm::Gemm;
 use super::product::PairProduct;
+use super::unpaired;
 use crate::learner::simd::Simd;
 
 /// The product by the best means of this machine.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum PairGemm {
-    /// By the instruction.
+    /// By the instruction for pairs.
     #[cfg(target_arch = "x86_64")]
     Native(Dot),
+    /// By the instructions for `f32`.
+    Unpaired(Simd, Gemm),
     /// By plain loops.
     Emulated(Simd),
 }
@@ -23,7 +27,14 @@ impl PairGemm {
         if let Some(dot) = Dot::find(simd) {
             return Self::Native(dot);
         }
-        Self::Emulated(simd)
+        Self::without_instruction(simd)
+    }
+
+    fn without_instruction(simd: Simd) -> Self {
+        match Gemm::new(simd) {
+            Gemm::Portable => Self::Emulated(simd),
+            gemm @ Gemm::Vectors(_) => Self::Unpaired(simd, gemm),
+        }
     }
 
     /// Writes the product over its `out`, or adds it.
@@ -31,6 +42,7 @@ impl PairGemm {
         match self {
             #[cfg(target_arch = "x86_64")]
             Self::Native(dot) => dot.multiply(product),
+            Self::Unpaired(simd, gemm) => unpaired::multiply(simd, gemm, product),
             Self::Emulated(simd) => emulated::multiply(simd, &mut product),
         }
     }
@@ -100,10 +112,11 @@ mod tests {
                     out
                 };
                 let best = computed(PairGemm::new(Simd::chosen_or_fastest()));
+                let bits = |out: &[f32]| out.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
                 for simd in Simd::every() {
-                    let emulated = computed(PairGemm::Emulated(simd));
-                    let bits = |out: &[f32]| out.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
-                    assert_eq!(bits(&emulated), bits(&best), "{simd:?}, {shape:?}");
+                    for gemm in [PairGemm::Emulated(simd), PairGemm::without_instruction(simd)] {
+                        assert_eq!(bits(&computed(gemm)), bits(&best), "{gemm:?}, {shape:?}");
+                    }
                 }
                 let size = exact.iter().fold(0.0_f64, |size, x| size.max(x.abs()));
                 for ((found, exact), before) in best.iter().zip(&exact).zip(&before) {
