@@ -165,10 +165,12 @@ fn a_stop_between_two_renames_loses_nothing() {
 #[test]
 fn a_run_of_one_engine_goes_on_with_the_other() {
     use rher_core::config::EngineKind::{Burn, Fused};
+    use rher_core::config::Precision;
     for (first, second) in [(Fused, Burn), (Burn, Fused)] {
         let folder = tempfile::tempdir().unwrap();
         let mut config = config();
         config.agent.engine = first;
+        config.agent.precision = Precision::F32;
         let mut trainer = Trainer::new(config, envs(1), 1).unwrap();
         run_until(folder.path(), &mut trainer, 15);
         let before = trainer.policy().clone();
@@ -224,7 +226,9 @@ fn a_run_cannot_go_on_with_a_precision_that_its_engine_lacks() {
 #[test]
 fn an_engine_that_is_not_compiled_in_is_refused_by_name() {
     use rher_core::config::EngineKind::{Burn, Fused};
+    use rher_core::config::Precision;
     let mut config = config();
+    config.agent.precision = Precision::F32;
     config.agent.engine = if cfg!(feature = "fused") { Burn } else { Fused };
     let feature = format!("build with the feature `{}`", config.agent.engine.name());
     let error = Trainer::new(config, envs(1), 1).err().unwrap().to_string();

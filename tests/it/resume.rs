@@ -59,9 +59,10 @@ fn ctrl_c_saves_and_the_run_goes_on() {
 #[test]
 fn a_stop_within_updates_or_an_evaluation_is_quick_and_changes_nothing() {
     let rher = Rher::new();
-    // The updates of an episode take longer than the first signals wait.
-    let run = "train push --quiet --workers 1 --env-steps 150 --until 0 --set agent.hidden=[32,32] \
-        --set replay.batch_size=32 --set replay.updates_per_episode=1500 \
+    // The updates of an episode take longer than the first signals wait, on a fast machine, too;
+    // later ones wait longer, so that a slow one gets to the end.
+    let run = "train push --quiet --workers 1 --env-steps 300 --until 0 --set agent.hidden=[32,32] \
+        --set replay.batch_size=32 --set replay.updates_per_episode=2500 \
         --set replay.warmup_episodes=0 --set evaluation.every_episodes=1 \
         --set evaluation.episodes=40 --set evaluation.subtask_episodes=10";
     rher.ok(&format!("{run} --out straight"));
@@ -73,7 +74,7 @@ fn a_stop_within_updates_or_an_evaluation_is_quick_and_changes_nothing() {
         } else {
             format!("{run} --out stopped")
         });
-        std::thread::sleep(Duration::from_millis(50 + 37 * (stops % 5) + 20 * stops));
+        std::thread::sleep(Duration::from_millis(30 + 17 * (stops % 5) + 10 * stops));
         let asked = Instant::now();
         running.send(["TERM", "USR1"][stops as usize % 2]);
         let ran = running.end();

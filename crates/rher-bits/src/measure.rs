@@ -31,9 +31,7 @@ const ROWS: usize = 50;
 /// Widths of the hidden layers: no whole numbers of vectors.
 const HIDDEN: [usize; 2] = [50, 33];
 /// Updates of a learner.
-const UPDATES: usize = 50;
-/// Updates with bf16, which are slower where there is no instruction for them.
-const BF16_UPDATES: usize = 20;
+const UPDATES: usize = 200;
 
 /// A part could not be computed.
 #[derive(Debug, thiserror::Error)]
@@ -115,14 +113,14 @@ impl EnvVisitor for Measure {
                 bits.numbers(actions);
             }
             Part::Update | Part::UpdateBf16 => {
-                let (precision, updates) = match self.part {
-                    Part::UpdateBf16 => (Precision::Bf16, BF16_UPDATES),
-                    _ => (Precision::F32, UPDATES),
+                let precision = match self.part {
+                    Part::UpdateBf16 => Precision::Bf16,
+                    _ => Precision::F32,
                 };
                 let agent = AgentConfig { precision, ..config.agent };
                 let mut engine = engines::build(&agent, learner(&agent, &batch, &mut rng))?;
                 let mut noise = vec![0.0; batch.actions.len()];
-                for _ in 0..updates {
+                for _ in 0..UPDATES {
                     relabeling.draw(&mut batch, &mut rng);
                     noise.fill_with(|| rng.sample(StandardNormal));
                     engine.update(&batch, &noise)?;

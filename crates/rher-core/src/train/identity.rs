@@ -70,7 +70,7 @@ mod tests {
         longer.env_steps += 1;
         longer.until = 0.5;
         longer.agent.engine = EngineKind::Burn;
-        longer.agent.precision = Precision::Bf16;
+        longer.agent.precision = Precision::F32;
         assert_eq!(run_id(&longer, ""), id);
 
         let mut other = config();

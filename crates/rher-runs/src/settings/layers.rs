@@ -5,6 +5,7 @@ use super::error::{Origin, SettingsError, Source};
 use super::file::ConfigFile;
 use super::written::{FROM, split, table};
 use super::{Asked, Settings};
+use rher_core::config::{EngineKind, Precision};
 use rher_envs::Task;
 use std::collections::BTreeMap;
 use toml::{Table, Value};
@@ -76,6 +77,11 @@ impl Layers {
             if let Some(value) = value {
                 self.set(key, &value, || Source::Option(option).into())?;
             }
+        }
+        if *engine == Some(EngineKind::Burn) && !self.origins.contains_key("agent.precision") {
+            // The only one that this engine has.
+            let precision = Precision::F32.name().into();
+            self.set("agent.precision", &precision, || Source::Option("--engine").into())?;
         }
         Ok(())
     }

@@ -8,6 +8,7 @@
 use super::buffer::LINE;
 use crate::learner::engine::{BETA_1, BETA_2, EPSILON};
 use crate::learner::network::NORM_EPSILON;
+use std::array;
 
 /// x ← x + b.
 #[inline(always)]
@@ -112,14 +113,8 @@ pub(super) fn normalize_and_rectify(
     let rows = normal.chunks_exact_mut(stride).zip(activation.chunks_exact_mut(stride));
     for ((normal, activation), inverse) in rows.zip(inverse_deviation) {
         let normal = &mut normal[..width];
-        for (x, b) in normal.iter_mut().zip(bias) {
-            *x += b;
-        }
-        let mean = sum(normal, |x| x) / width as f32;
-        for x in &mut *normal {
-            *x -= mean;
-        }
-        let variance = sum(normal, |x| x * x) / width as f32;
+        let mean = map_and_sum(normal, bias, |x, b| x + b, |x| x) / width as f32;
+        let variance = map_and_sum(normal, bias, |x, _| x - mean, |x| x * x) / width as f32;
         *inverse = 1.0 / (variance + NORM_EPSILON).sqrt();
         let affine = norm.scale.iter().zip(norm.shift);
         for ((x, a), (scale, shift)) in normal.iter_mut().zip(activation).zip(affine) {
@@ -127,6 +122,32 @@ pub(super) fn normalize_and_rectify(
             *a = rectify(*x * scale + shift);
         }
     }
+}
+
+/// Takes each of `values` through `map`, and sums what is left of them through `term`, in the order
+/// of [`sum`].
+#[inline(always)]
+fn map_and_sum(
+    values: &mut [f32],
+    others: &[f32],
+    map: impl Fn(f32, f32) -> f32,
+    term: impl Fn(f32) -> f32,
+) -> f32 {
+    let (blocks, rest) = values.as_chunks_mut::<LINE>();
+    let (other_blocks, other_rest) = others.as_chunks::<LINE>();
+    let mut lanes = [0.0; LINE];
+    for (block, others) in blocks.iter_mut().zip(other_blocks) {
+        let mapped: [f32; LINE] = array::from_fn(|lane| map(block[lane], others[lane]));
+        for lane in 0..LINE {
+            lanes[lane] += term(mapped[lane]);
+        }
+        *block = mapped;
+    }
+    for ((lane, x), other) in lanes.iter_mut().zip(rest).zip(other_rest) {
+        *x = map(*x, *other);
+        *lane += term(*x);
+    }
+    lanes.iter().sum()
 }
 
 /// Adds the rows' products, number by number, to `sum`.
@@ -240,12 +261,28 @@ fn dot(left: &[f32], right: &[f32]) -> f32 {
 /// `to[column][row]` ← `from[row][column]`, for `columns` columns and all rows of `from`.
 #[inline(always)]
 pub(super) fn transpose(from: &[f32], columns: usize, to: &mut [f32], to_stride: usize) {
-    for (block, rows) in from.chunks(columns * LINE).enumerate() {
-        for column in 0..columns {
-            let to = &mut to[column * to_stride + block * LINE..];
-            for (to, row) in to.iter_mut().zip(rows.chunks_exact(columns)) {
-                *to = row[column];
+    // Four by four in registers, so that the cache lines of `to` are written one after another.
+    const SIDE: usize = 4;
+    let rows = from.len() / columns;
+    let (whole_rows, whole_columns) = (rows / LINE * LINE, columns / SIDE * SIDE);
+    for line in (0..whole_rows).step_by(LINE) {
+        for column in (0..whole_columns).step_by(SIDE) {
+            for row in (line..line + LINE).step_by(SIDE) {
+                let block: [[f32; SIDE]; SIDE] = array::from_fn(|index| {
+                    let start = (row + index) * columns + column;
+                    array::from_fn(|index| from[start..start + SIDE][index])
+                });
+                for index in 0..SIDE {
+                    let start = (column + index) * to_stride + row;
+                    to[start..start + SIDE].copy_from_slice(&block.map(|row| row[index]));
+                }
             }
+        }
+    }
+    for column in 0..columns {
+        let done = if column < whole_columns { whole_rows } else { 0 };
+        for row in done..rows {
+            to[column * to_stride + row] = from[row * columns + column];
         }
     }
 }
