@@ -168,14 +168,18 @@ fn spelled_out(config: &TrainConfig) -> (Policy, Vec<Metrics>) {
     let mut relabeler = Relabeler::new(&config.relay, &spec);
     let mut replay = Replay::new(&spec, config.replay.capacity);
     let mut curriculum = Curriculum::new(&config.exploration, spec.subtasks);
-    let mut policy = Policy::new(info.clone(), encoder.clone(), shape.clone(), engine.actor());
+    let policy_of = |encoder: &InputEncoder, actor| {
+        Policy::new(info.clone(), encoder.clone(), shape.clone(), actor)
+    };
+    let mut explorer = policy_of(&encoder, engine.actor());
+    let mut policy = policy_of(&encoder, engine.target_actor());
     let (mut episodes, mut updates, mut lines) = (0, 0, Vec::new());
     let mut since = Since::default();
     let envs = config.envs as u64;
     while episodes * (spec.episode_steps as u64) < config.env_steps {
         // Episodes that are played side by side are played by the same policy.
         let played: Vec<_> =
-            (0..envs).map(|env| explore(config, &policy, &curriculum, episodes + env)).collect();
+            (0..envs).map(|env| explore(config, &explorer, &curriculum, episodes + env)).collect();
         for (episode, _) in &played {
             let mut rng = seed.stream(Purpose::Statistics, episodes);
             relabeler.observe(episode, &stages, &mut encoder, &mut rng);
@@ -218,8 +222,8 @@ fn spelled_out(config: &TrainConfig) -> (Policy, Vec<Metrics>) {
             if config.agent.target_every == TargetEvery::Episode {
                 engine.move_targets();
             }
-            let actor = engine.actor();
-            policy = Policy::new(info.clone(), encoder.clone(), shape.clone(), actor);
+            explorer = policy_of(&encoder, engine.actor());
+            policy = policy_of(&encoder, engine.target_actor());
         }
         if episodes.is_multiple_of(config.evaluation.every_episodes) {
             let test_policy = config.exploration.test_policy;

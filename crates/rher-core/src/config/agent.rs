@@ -77,6 +77,23 @@ choices! {
     }
 }
 
+choices! {
+    /// Which actor is the policy of a run.
+    pub enum Deployed {
+        /// The trained one: the paper.
+        Trained = "trained",
+        /// Its target, a running mean: it does not jump from one update to the next.
+        Target = "target",
+    }
+}
+
+/// That of every run from before there was a choice.
+impl Default for Deployed {
+    fn default() -> Self {
+        Self::Trained
+    }
+}
+
 settings! {
     /// The actor-critic: TD3, or DDPG with one critic, no policy delay and no target noise.
     pub struct AgentConfig in "agent.", from start {
@@ -176,6 +193,13 @@ settings! {
         pub target_every: TargetEvery {
             paper: if start.single { TargetEvery::Episode } else { TargetEvery::Update },
             fast: TargetEvery::Update,
+        }
+        /// The actor that evaluations judge and the policy file has. Training episodes are played by
+        /// the trained one. Not in the paper.
+        #[serde(default, with = "crate::since_6")]
+        pub deployed: Deployed {
+            paper: Deployed::Trained,
+            fast: Deployed::Target,
         }
     }
 }

@@ -16,7 +16,7 @@ mod train;
 mod validate;
 
 pub use crate::setting::{Choice, Kind, Range, Section, Setting, SettingVisitor, Value};
-pub use agent::{AgentConfig, EngineKind, Init, Precision, TargetEvery};
+pub use agent::{AgentConfig, Deployed, EngineKind, Init, Precision, TargetEvery};
 pub use evaluation::EvaluationConfig;
 pub use exploration::{ExplorationConfig, TestPolicy, TrainPolicy};
 pub use preset::Preset;

@@ -196,6 +196,10 @@ impl<B: AutodiffBackend> Engine for AutodiffEngine<B> {
         numbers(self.actor.online.clone())
     }
 
+    fn target_actor(&self) -> Vec<f32> {
+        numbers(self.actor.target.clone())
+    }
+
     fn critic(&self) -> Vec<f32> {
         numbers(self.critics[0].online.clone())
     }

@@ -86,6 +86,9 @@ pub trait Engine: Send {
     /// The actor's trained parameters, in the layout of its [`Shape`](super::network::Shape).
     fn actor(&self) -> Vec<f32>;
 
+    /// Those of its target.
+    fn target_actor(&self) -> Vec<f32>;
+
     /// The first critic's trained parameters, in the layout of its [`Shape`](super::network::Shape).
     fn critic(&self) -> Vec<f32>;
 

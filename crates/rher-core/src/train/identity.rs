@@ -30,8 +30,12 @@ pub fn run_id(config: &TrainConfig, variant: &str) -> RunId {
 
 /// Settings that came after the identity did, with the value of every run from before: as if they
 /// were not there, so that such a run keeps its identity.
-const LATER: [(&str, &str); 3] =
-    [("relay.fine_scale", "false"), ("relay.redraw_met", "0.0"), ("relay.choose_order", "false")];
+const LATER: [(&str, &str); 4] = [
+    ("relay.fine_scale", "false"),
+    ("relay.redraw_met", "0.0"),
+    ("relay.choose_order", "false"),
+    ("agent.deployed", "\"trained\""),
+];
 
 struct Lines(Sha256);
 

@@ -11,7 +11,8 @@ use super::state::{Pending, RunState};
 use super::tally::{SourceCounts, Tally};
 use crate::batch::Batch;
 use crate::config::{
-    AgentConfig, BatchMode, EngineKind, Method, Precision, ReplayConfig, TargetEvery, TrainConfig,
+    AgentConfig, BatchMode, Deployed, EngineKind, Method, Precision, ReplayConfig, TargetEvery,
+    TrainConfig,
 };
 use crate::env::{Env, EnvSpec};
 use crate::episode::Episode;
@@ -78,6 +79,9 @@ pub struct Trainer<const N: usize, E> {
     engine: Box<dyn Engine>,
     actor_shape: Shape,
     critic_shape: Shape,
+    /// What plays training episodes.
+    explorer: Policy,
+    /// What is evaluated and saved.
     policy: Policy,
 }
 
@@ -230,13 +234,7 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
         let critic_shape = learner.critics[0].shape.clone();
         let engine = engines::build(&state.config.agent, learner)?;
         let id = run_id(&state.config, &state.info.variant);
-        let policy = Policy::new(
-            state.info.clone(),
-            state.encoder.clone(),
-            actor_shape.clone(),
-            engine.actor(),
-        )
-        .of_run(id);
+        let [explorer, policy] = policies(&state, &actor_shape, &*engine, id);
         let saved_episodes = replay.pushed();
         Ok(Self {
             state,
@@ -252,6 +250,7 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
             engine,
             actor_shape,
             critic_shape,
+            explorer,
             policy,
         })
     }
@@ -398,7 +397,7 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
         let count = config.envs;
         let guide = Explorer::new(config, info.subtasks, curriculum);
         let tolerances = config.relay.tolerances(self.envs[0].spec());
-        let policy = &self.policy;
+        let explorer = &self.explorer;
         let envs = &mut self.envs[..count];
         let played = self.pool.install(|| {
             envs.par_iter_mut()
@@ -408,7 +407,7 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
                     if stop.load(Ordering::Relaxed) {
                         return Ok(None);
                     }
-                    explore_once(env, policy, &guide, &tolerances, seed, episode)
+                    explore_once(env, explorer, &guide, &tolerances, seed, episode)
                         .map(Some)
                         .map_err(|source| TrainError::Rollout { episode, source })
                 })
@@ -525,7 +524,7 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
         if is_over && target_every == TargetEvery::Episode {
             self.engine.move_targets();
         }
-        self.policy = self.frozen();
+        self.renew_policies();
         Ok((!is_over).then_some(Pending::Updates { done }))
     }
 
@@ -551,14 +550,13 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
         });
         let order = OrderModel::fit(spec, attempts);
         self.state.encoder.set_order(order);
-        self.policy = self.frozen();
+        self.renew_policies();
     }
 
-    /// The policy of the networks and statistics as they are now.
-    fn frozen(&self) -> Policy {
-        let RunState { info, encoder, .. } = &self.state;
-        let shape = self.actor_shape.clone();
-        Policy::new(info.clone(), encoder.clone(), shape, self.engine.actor()).of_run(self.id)
+    /// After any change of the networks or the statistics.
+    fn renew_policies(&mut self) {
+        [self.explorer, self.policy] =
+            policies(&self.state, &self.actor_shape, &*self.engine, self.id);
     }
 
     /// `None` if it was stopped within.
@@ -626,6 +624,18 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
         self.state.seconds.save += started.elapsed().as_secs_f64();
         Ok(())
     }
+}
+
+/// The policies that explore and that are evaluated, of the networks and statistics as they are.
+fn policies(state: &RunState, shape: &Shape, engine: &dyn Engine, id: RunId) -> [Policy; 2] {
+    let RunState { config, info, encoder, .. } = state;
+    let policy =
+        |actor| Policy::new(info.clone(), encoder.clone(), shape.clone(), actor).of_run(id);
+    let deployed = match config.agent.deployed {
+        Deployed::Trained => engine.actor(),
+        Deployed::Target => engine.target_actor(),
+    };
+    [policy(engine.actor()), policy(deployed)]
 }
 
 /// What became of the episodes and the updates between two looks at the end of a run.

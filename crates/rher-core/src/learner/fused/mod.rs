@@ -185,6 +185,10 @@ impl Engine for FusedEngine {
         self.actor.online.flat.to_vec()
     }
 
+    fn target_actor(&self) -> Vec<f32> {
+        self.actor.target.flat.to_vec()
+    }
+
     fn critic(&self) -> Vec<f32> {
         self.critics[0].online.flat.to_vec()
     }
