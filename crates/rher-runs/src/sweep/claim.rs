@@ -9,11 +9,11 @@
 
 use super::attempt::{self, AttemptError, Beat, End, Life, Seen, Worker, beat_line, look};
 use super::plan::PlanId;
-use crate::config_file::is_absent;
+use super::unnamed::{Unnamed, is_unnamed, remove_where};
 use rher_core::files::FileError;
 use std::fs::{File, OpenOptions};
-use std::io::{self, Write as _};
-use std::os::unix::fs::{FileExt as _, MetadataExt as _};
+use std::io::Write as _;
+use std::os::unix::fs::FileExt as _;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
@@ -223,26 +223,12 @@ impl Claim {
         let beat = beat_line(&Beat::default());
         let path = attempt::path(folder, number);
         // It is whole and locked before it has its name.
-        let (mut lock, new) = create_beside(folder)?;
-        let written = lock.write_all((first.clone() + &beat).as_bytes());
-        written.map_err(FileError::write(&new))?;
+        let mut new = Unnamed::create(folder, UNFINISHED)?;
+        let written = new.file.write_all((first.clone() + &beat).as_bytes());
+        written.map_err(FileError::write(&new.path))?;
         // Where there are no locks, the count alone says that this worker lives.
-        let _ = lock.try_lock();
-        let linked = std::fs::hard_link(&new, &path);
-        // Some network file systems say that the name is there when it is this very file.
-        let is_ours = linked.is_ok() || lock.metadata().is_ok_and(|file| file.nlink() > 1);
-        // The worker that was faster may have removed it.
-        let _ = std::fs::remove_file(&new);
-        if !is_ours {
-            return match linked {
-                Err(error)
-                    if error.kind() != io::ErrorKind::AlreadyExists && !is_absent(&error) =>
-                {
-                    Err(FileError::write(&path)(error).into())
-                }
-                _ => Ok(None),
-            };
-        }
+        let _ = new.file.try_lock();
+        let Some(lock) = new.name(&path)? else { return Ok(None) };
         if look(folder)?.is_some_and(|seen| seen.number > number) {
             let _ = std::fs::remove_file(&path);
             return Ok(None);
@@ -302,18 +288,6 @@ impl Drop for Claim {
 /// How the names of files begin that are no attempts yet.
 const UNFINISHED: &str = ".worker-";
 
-/// A new file that no other process has, on whatever machine.
-fn create_beside(folder: &Path) -> Result<(File, PathBuf), FileError> {
-    for number in 0_u64.. {
-        let path = folder.join(format!("{UNFINISHED}{}-{number}", std::process::id()));
-        match File::create_new(&path) {
-            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
-            file => return file.map(|file| (file, path.clone())).map_err(FileError::write(&path)),
-        }
-    }
-    unreachable!("some number is free")
-}
-
 /// Whether an attempt is over: it ended, or its worker is dead.
 fn is_over(folder: &Path, seen: &Seen, patience: Duration) -> Result<bool, ClaimError> {
     match (&seen.end, seen.life) {
@@ -338,21 +312,8 @@ fn is_over(folder: &Path, seen: &Seen, patience: Duration) -> Result<bool, Claim
 /// Removes the files of earlier attempts, and what workers left that were killed before theirs
 /// began.
 fn remove_earlier(folder: &Path, number: u64) -> Result<(), FileError> {
-    for entry in std::fs::read_dir(folder).map_err(FileError::read(folder))? {
-        let entry = entry.map_err(FileError::read(folder))?;
-        let name = entry.file_name();
-        let Some(name) = name.to_str() else { continue };
-        let is_earlier = attempt::number(name).is_some_and(|of| of < number);
-        if is_earlier || name.starts_with(UNFINISHED) {
-            match std::fs::remove_file(entry.path()) {
-                Err(error) if !is_absent(&error) => {
-                    return Err(FileError::write(&entry.path())(error));
-                }
-                _ => {}
-            }
-        }
-    }
-    Ok(())
+    let is_earlier = |name: &str| attempt::number(name).is_some_and(|of| of < number);
+    remove_where(folder, |name| is_earlier(name) || is_unnamed(name, UNFINISHED))
 }
 
 #[cfg(test)]

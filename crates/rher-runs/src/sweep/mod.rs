@@ -3,6 +3,7 @@
 mod attempt;
 mod claim;
 mod plan;
+mod unnamed;
 
 pub use attempt::{AttemptError, Beat, End, Life, Seen, Worker, look};
 pub use claim::{Claim, ClaimError, Guard, Lost, PATIENCE, Pulse};

@@ -1,5 +1,6 @@
 //! A plan: every run of a sweep, in a file that any machine can take one from.
 
+use super::unnamed::{Unnamed, is_unnamed, remove_where};
 use crate::settings::{self, Settings, SettingsError};
 use rher_core::files::{self, FileError};
 use serde::{Deserialize, Serialize};
@@ -7,9 +8,13 @@ use serde_json::Value;
 use sha2::{Digest as _, Sha256};
 use std::collections::HashSet;
 use std::fmt;
-use std::io;
+use std::fs::File;
+use std::io::{self, Write as _};
 use std::path::{Component, Path, PathBuf};
 use toml::Table;
+
+#[cfg(test)]
+mod tests;
 
 /// The version of the format that this program writes and reads.
 const VERSION: u64 = 1;
@@ -165,19 +170,28 @@ impl Plan {
         let id = PlanId(hash(lines.as_bytes()));
         let made_by = concat!("rher ", env!("CARGO_PKG_VERSION")).to_owned();
         let header = Header { plan: VERSION, made_by, id: id.clone(), cells: cells.len() };
-        match files::read_at_most(path, LARGEST) {
-            Ok(there) => {
-                let mut parts = there.splitn(2, |byte| *byte == b'\n');
-                if parts.nth(1) != Some(lines.as_bytes()) {
-                    return Err(PlanError::Exists { path: path.to_owned() });
+        let plan = Self { path: path.to_owned(), id, cells };
+        plan.make_file((header.line() + &lines).as_bytes())?;
+        Ok(plan)
+    }
+
+    /// Sees to it that the file of this plan is there.
+    fn make_file(&self, bytes: &[u8]) -> Result<(), PlanError> {
+        let path = &self.path;
+        // Another process may make the file, or remove it, between two looks.
+        for _ in 0..10 {
+            match Self::read(path) {
+                Ok(there) if there.id == self.id => return Ok(remove_unfinished(path)?),
+                Err(PlanError::File(error)) if error.source.kind() == io::ErrorKind::NotFound => {
+                    if create(path, bytes)? {
+                        return Ok(());
+                    }
                 }
+                Err(PlanError::File(error)) => return Err(error.into()),
+                Ok(_) | Err(_) => break,
             }
-            Err(error) if error.source.kind() == io::ErrorKind::NotFound => {
-                files::replace(path, (header.line() + &lines).as_bytes())?;
-            }
-            Err(error) => return Err(error.into()),
         }
-        Ok(Self { path: path.to_owned(), id, cells })
+        Err(PlanError::Exists { path: path.clone() })
     }
 
     /// Reads a plan.
@@ -186,7 +200,10 @@ impl Plan {
     ///
     /// If it is no plan, has another version, or is not what was written.
     pub fn read(path: &Path) -> Result<Self, PlanError> {
-        let bytes = files::read_at_most(path, LARGEST)?;
+        Self::parse(path, files::read_at_most(path, LARGEST)?)
+    }
+
+    fn parse(path: &Path, bytes: Vec<u8>) -> Result<Self, PlanError> {
         let not_plan =
             |problem: &str| PlanError::NotPlan { path: path.to_owned(), problem: problem.into() };
         let text = String::from_utf8(bytes).map_err(|_| not_plan("it is no text"))?;
@@ -263,13 +280,63 @@ impl Plan {
 ///
 /// If the operating system does not say where this program is.
 pub fn from_plan(plan: &Path, folder: &Path) -> Result<PathBuf, FileError> {
-    let absolute = |path: &Path| std::path::absolute(path).map_err(FileError::read(path));
     let (plan, to) = (absolute(plan)?, absolute(folder)?);
     Ok(to.strip_prefix(folder_of(&plan)).map_or_else(|_| to.clone(), Path::to_owned))
 }
 
+/// A path from the root, without `..`.
+fn absolute(path: &Path) -> Result<PathBuf, FileError> {
+    let path = std::path::absolute(path).map_err(FileError::read(path))?;
+    Ok(path.components().fold(PathBuf::new(), |before, part| match part {
+        // What is above a link is not what stands before it in the path.
+        Component::ParentDir => {
+            let mut before = before.canonicalize().unwrap_or(before);
+            before.pop();
+            before
+        }
+        part => before.join(part),
+    }))
+}
+
 fn folder_of(plan: &Path) -> &Path {
     plan.parent().unwrap_or(Path::new(""))
+}
+
+/// The same, as the operating system wants it.
+fn existing_folder_of(plan: &Path) -> &Path {
+    let folder = folder_of(plan);
+    if folder.as_os_str().is_empty() { Path::new(".") } else { folder }
+}
+
+/// Writes a file that is complete or absent; `false` if another process was faster.
+fn create(path: &Path, bytes: &[u8]) -> Result<bool, FileError> {
+    let folder = existing_folder_of(path);
+    let mut new = Unnamed::create(folder, &unfinished(path))?;
+    let written = new.file.write_all(bytes).and_then(|()| files::sync(&new.file));
+    if let Err(error) = written {
+        // The error that matters is the one before.
+        let _ = std::fs::remove_file(&new.path);
+        return Err(FileError::write(path)(error));
+    }
+    let is_made = new.name(path)?.is_some();
+    if is_made {
+        let synced = File::open(folder).and_then(|folder| files::sync(&folder));
+        synced.map_err(FileError::write(folder))?;
+        remove_unfinished(path)?;
+    }
+    Ok(is_made)
+}
+
+/// How the names of files begin that were to become the plan at `path`.
+fn unfinished(path: &Path) -> String {
+    format!(".{}-", path.file_name().unwrap_or_default().display())
+}
+
+/// Removes what processes left that were killed while they wrote the plan at `path`. It is there, so
+/// nobody needs what others have not finished yet.
+fn remove_unfinished(path: &Path) -> Result<(), FileError> {
+    let start = unfinished(path);
+    remove_where(existing_folder_of(path), |name| is_unnamed(name, &start))
 }
 
 /// The line of a cell.
