@@ -53,7 +53,8 @@ const ERRORS: &[Fault] = &[
     Fault::OtherDevice,
 ];
 const FULL: &[Fault] = &[Fault::NoSpace, Fault::Full];
-const TRAINING: &[Verb] = &[Verb::Train, Verb::Record, Verb::Resume, Verb::ResumeRecorded];
+const SAVING: &[Verb] =
+    &[Verb::Train, Verb::Record, Verb::Resume, Verb::ResumeRecorded, Verb::Plan, Verb::Cell];
 
 /// The first row that fits holds.
 pub(crate) const TABLE: &[Row] = &[
@@ -84,7 +85,7 @@ pub(crate) const TABLE: &[Row] = &[
     Row {
         verbs: &[],
         calls: &[Call::Lock],
-        places: &[Place::Lock],
+        places: &[Place::Lock, Place::Worker, Place::Unnamed],
         faults: &[Fault::NoCall, Fault::NoLocks, Fault::NotSupported],
         outcome: Outcome::Warned,
         because: "a file system without locks only takes the protection against a second process",
@@ -96,6 +97,22 @@ pub(crate) const TABLE: &[Row] = &[
         faults: &[],
         outcome: Outcome::Same,
         because: "the temporary name alone keeps others out",
+    },
+    Row {
+        verbs: &[],
+        calls: &[Call::Lock],
+        places: &[Place::Worker, Place::Unnamed],
+        faults: &[],
+        outcome: Outcome::Same,
+        because: "without its lock the count of a worker says that it lives",
+    },
+    Row {
+        verbs: &[],
+        calls: &[Call::Remove],
+        places: &[Place::Unnamed],
+        faults: ERRORS,
+        outcome: Outcome::Same,
+        because: "a file that has its name by then is removed in a second attempt",
     },
     Row {
         verbs: &[],
@@ -145,7 +162,7 @@ pub(crate) const TABLE: &[Row] = &[
         because: "a policy that cannot be read is written again from its checkpoint",
     },
     Row {
-        verbs: TRAINING,
+        verbs: SAVING,
         calls: &[Call::OpenToRead],
         places: &[Place::Folder],
         faults: &[Fault::NoSpace],
@@ -153,7 +170,7 @@ pub(crate) const TABLE: &[Row] = &[
         because: "the folder is opened to sync what was written",
     },
     Row {
-        verbs: TRAINING,
+        verbs: SAVING,
         calls: &[Call::OpenToRead],
         places: &[Place::Folder],
         faults: &[],

@@ -14,6 +14,8 @@ pub(crate) enum Call {
     /// Of a file or a folder.
     Sync,
     Rename,
+    /// Giving a file one more name.
+    Link,
     Lock,
     Truncate,
     /// Making a folder.
@@ -22,12 +24,13 @@ pub(crate) enum Call {
 }
 
 impl Call {
-    const ALL: [Self; 9] = [
+    const ALL: [Self; 10] = [
         Self::OpenToRead,
         Self::OpenToWrite,
         Self::Write,
         Self::Sync,
         Self::Rename,
+        Self::Link,
         Self::Lock,
         Self::Truncate,
         Self::Mkdir,
@@ -42,6 +45,7 @@ impl Call {
             Self::Write => "write",
             Self::Sync => "sync",
             Self::Rename => "rename",
+            Self::Link => "link",
             Self::Lock => "lock",
             Self::Truncate => "truncate",
             Self::Mkdir => "mkdir",
@@ -53,7 +57,8 @@ impl Call {
     pub(crate) fn faults(self) -> impl Iterator<Item = Fault> {
         Fault::ALL.into_iter().filter(move |fault| match fault {
             Fault::Short | Fault::Full | Fault::Torn => self == Self::Write,
-            Fault::NoCall | Fault::NotSupported => matches!(self, Self::Lock | Self::Sync),
+            Fault::NoCall => matches!(self, Self::Lock | Self::Sync),
+            Fault::NotSupported => matches!(self, Self::Lock | Self::Sync | Self::Link),
             Fault::NoLocks => self == Self::Lock,
             Fault::OtherDevice => self == Self::Rename,
             _ => true,

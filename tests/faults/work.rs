@@ -18,7 +18,10 @@ const RECORD: &str =
     "train reach --seed 3 --config ../tiny.toml --workers 1 -q --out run --record-every 2";
 const RESUME: &str = "train --resume run --workers 1 -q";
 const RESUME_RECORDED: &str = "train --resume run --workers 1 -q --record-every 2";
+const PLAN: &str = "sweep reach --seeds 1-2 --config ../tiny.toml --out grid --plan plan.jsonl";
 const SWEEP: &str = "sweep reach --seeds 1-2 --jobs 1 --config ../tiny.toml --out grid";
+
+const CELL: &str = "sweep --plan plan.jsonl --cell 1";
 
 /// The state of a run, all of it but for its episodes.
 const CHECKPOINTS: [&str; 2] = ["checkpoint/current.ckpt", "checkpoint/previous.ckpt"];
@@ -38,6 +41,10 @@ pub(crate) enum Verb {
     Sweep,
     /// A sweep of two runs: the process of the second is hit.
     SweptRun,
+    /// A plan of two runs is written.
+    Plan,
+    /// The second run of a plan.
+    Cell,
     /// A recording of a policy.
     Play,
     /// Another recording in place of one that is there.
@@ -48,13 +55,15 @@ pub(crate) enum Verb {
 }
 
 impl Verb {
-    pub(crate) const ALL: [Self; 10] = [
+    pub(crate) const ALL: [Self; 12] = [
         Self::Train,
         Self::Record,
         Self::Resume,
         Self::ResumeRecorded,
         Self::Sweep,
         Self::SweptRun,
+        Self::Plan,
+        Self::Cell,
         Self::Play,
         Self::PlayAgain,
         Self::Minari,
@@ -69,6 +78,8 @@ impl Verb {
             Self::Resume => RESUME,
             Self::ResumeRecorded => RESUME_RECORDED,
             Self::Sweep | Self::SweptRun => SWEEP,
+            Self::Plan => PLAN,
+            Self::Cell => CELL,
             Self::Play | Self::PlayAgain => "play run --episodes 2 --seed 1 --mcap play.mcap",
             Self::Minari => "export run --episodes 2 --seed 1 --format minari --out data",
             Self::Lerobot => "export run --episodes 2 --seed 1 --format lerobot --out data",
@@ -81,7 +92,7 @@ impl Verb {
             Self::Train | Self::Record | Self::Resume | Self::ResumeRecorded | Self::SweptRun => {
                 "train"
             }
-            Self::Sweep => "sweep",
+            Self::Sweep | Self::Plan | Self::Cell => "sweep",
             Self::Play | Self::PlayAgain => "play",
             Self::Minari | Self::Lerobot => "export",
         }
@@ -93,7 +104,12 @@ impl Verb {
             Self::Train | Self::Record | Self::Resume | Self::ResumeRecorded => "run",
             Self::Sweep => "grid",
             Self::SweptRun => "grid/seed=2",
-            Self::Play | Self::PlayAgain | Self::Minari | Self::Lerobot => "",
+            Self::Plan
+            | Self::Cell
+            | Self::Play
+            | Self::PlayAgain
+            | Self::Minari
+            | Self::Lerobot => "",
         }
     }
 
@@ -105,7 +121,8 @@ impl Verb {
             assert_eq!(ended.status, Ok(0), "`rher {arguments}`:\n{}", ended.stderr);
         };
         match self {
-            Self::Train | Self::Record | Self::SweptRun => {}
+            Self::Train | Self::Record | Self::SweptRun | Self::Plan => {}
+            Self::Cell => ok(PLAN),
             Self::ResumeRecorded => kill_at_third_checkpoint(program, room, RECORD, "run"),
             Self::Resume => kill_at_third_checkpoint(program, room, TRAIN, "run"),
             Self::Sweep => kill_at_third_checkpoint(program, room, SWEEP, "grid/seed=1"),
@@ -150,6 +167,7 @@ impl Verb {
     /// What the command makes, complete or absent at any time.
     pub(crate) const fn target(self) -> Option<&'static str> {
         match self {
+            Self::Plan => Some("plan"),
             Self::Play | Self::PlayAgain => Some("play"),
             Self::Minari | Self::Lerobot => Some("data"),
             _ => None,
@@ -166,6 +184,8 @@ impl fmt::Display for Verb {
             Self::ResumeRecorded => "`train --resume --record-every`",
             Self::Sweep => "`sweep`",
             Self::SweptRun => "a run of `sweep`",
+            Self::Plan => "`sweep --plan`",
+            Self::Cell => "`sweep --plan --cell`",
             Self::Play => "`play --mcap`",
             Self::PlayAgain => "`play --mcap` over a recording",
             Self::Minari => "`export --format minari`",
@@ -191,6 +211,8 @@ pub(crate) fn page() -> String {
                  runs are not hit"
             }
             Verb::SweptRun => "the process of the second run of a sweep; no other is hit",
+            Verb::Plan => "a new plan of two runs",
+            Verb::Cell => "the second run of a plan; the plan is read",
             Verb::Play => "a recording of a policy",
             Verb::PlayAgain => "a recording in place of another one that is complete",
             Verb::Minari | Verb::Lerobot => "a dataset of a policy's episodes",
@@ -235,6 +257,11 @@ pub(crate) enum Place {
     /// What is written of it after the last checkpoint.
     EndOfRecording,
     Dataset,
+    Plan,
+    /// Of an attempt to train a cell.
+    Worker,
+    /// What gets the name of a plan or of an attempt when it is whole.
+    Unnamed,
 }
 
 impl Place {
@@ -245,6 +272,9 @@ impl Place {
             _ if path.starts_with("/data") => Self::Dataset,
             ("", "lock") => Self::Lock,
             ("metrics", "jsonl") => Self::Metrics,
+            ("plan", "jsonl") => Self::Plan,
+            (stem, "jsonl") if stem.starts_with("worker-") => Self::Worker,
+            _ if name.starts_with(".worker-") || name.starts_with(".plan.jsonl-") => Self::Unnamed,
             (_, "toml") => Self::Config,
             (_, "safetensors") => Self::Policy,
             (_, "ckpt") => Self::Checkpoint,
@@ -272,6 +302,9 @@ impl fmt::Display for Place {
             Self::Recording => "recording",
             Self::EndOfRecording => "recording, after the last checkpoint",
             Self::Dataset => "dataset",
+            Self::Plan => "plan",
+            Self::Worker => "`worker-*.jsonl`",
+            Self::Unnamed => "`.worker-*`, `.plan.jsonl-*`",
         })
     }
 }
@@ -296,7 +329,10 @@ fn gather(folder: &Path, below: &str, results: &mut Results) {
         if path.is_dir() {
             gather(&path, &name, results);
         } else if !is_recording_of_training(&file) {
-            results.insert(name, content(&path, &file));
+            // An attempt after a fault has another number; that of the first is removed.
+            let is_attempt = file.starts_with("worker-");
+            let name = if is_attempt { format!("{below}/worker.jsonl") } else { name };
+            results.entry(name).or_default().extend(content(&path, &file));
         }
     }
 }
@@ -309,6 +345,10 @@ fn content(path: &Path, name: &str) -> Vec<u8> {
         "metrics.jsonl" => {
             let lines = String::from_utf8_lossy(&bytes).into_owned();
             lines.lines().map(without_clock).collect::<String>().into_bytes()
+        }
+        // How the attempt ended: its other lines say who made it, and how fast.
+        _ if name.starts_with("worker-") => {
+            String::from_utf8_lossy(&bytes).lines().skip(2).collect::<String>().into_bytes()
         }
         _ => bytes,
     }
