@@ -27,6 +27,9 @@ pub trait Scenario<const N: usize>: Sized + Send + 'static {
     /// What kind of thing each object is, in relay order.
     const OBJECTS: [&'static str; N] = ["block"; N];
 
+    /// What bringing each object to its place is called, in a word.
+    const VERBS: [&'static str; N] = ["place"; N];
+
     /// Numbers in an action: the first of those of a hand with fingers, the others being 0.
     const ACTION_WIDTH: usize = ACTION_WIDTH;
 

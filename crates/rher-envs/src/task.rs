@@ -64,6 +64,19 @@ macro_rules! tasks {
                 }
             }
 
+            /// What its sub-tasks are called: `reach` and `push`, or `reach 1`, `push 1`, `reach 2`
+            /// and so on.
+            pub fn subtasks(self) -> Vec<String> {
+                match self {
+                    $(Self::$task => {
+                        subtasks(
+                            &<$scenario as crate::simulation::Scenario<$objects>>::VERBS,
+                            <$scenario as crate::simulation::Scenario<$objects>>::SUBTASKS,
+                        )
+                    })+
+                }
+            }
+
             /// Settings that this task has and no other.
             pub const fn options(self) -> &'static [TaskOption] {
                 match self {
@@ -123,6 +136,18 @@ impl Task {
             task => format!("rher/{task:?}-v0"),
         }
     }
+}
+
+/// The first `count` of reaching and placing each object in turn.
+fn subtasks(verbs: &[&str], count: usize) -> Vec<String> {
+    let stages = verbs.iter().enumerate().flat_map(|(object, verb)| {
+        let name = |stage: &str| match verbs.len() {
+            1 => stage.to_owned(),
+            _ => format!("{stage} {}", object + 1),
+        };
+        [name("reach"), name(verb)]
+    });
+    stages.take(count).collect()
 }
 
 /// Asks an environment for its names.

@@ -59,6 +59,7 @@ pub struct CuePush {
 
 impl Scenario<1> for CuePush {
     const NAME: &'static str = "cue-push";
+    const VERBS: [&'static str; 1] = ["push"];
     const OBJECTS: [&'static str; 1] = ["cylinder"];
     const FRONT_LIKE_BACK: bool = true;
     const ACTION_WIDTH: usize = 3;

@@ -24,6 +24,7 @@ pub struct DPush(Blocks<2>);
 
 impl Scenario<2> for DPush {
     const NAME: &'static str = "dpush";
+    const VERBS: [&'static str; 2] = ["push"; 2];
     const FRONT_LIKE_BACK: bool = true;
     const EPISODE_STEPS: usize = 60;
     const ALIKE: bool = true;

@@ -29,6 +29,7 @@ pub struct Drawer(Cabinet);
 
 impl Scenario<1> for Drawer {
     const NAME: &'static str = "drawer";
+    const VERBS: [&'static str; 1] = ["open"];
     const OBJECTS: [&'static str; 1] = ["handle"];
     const TOLERANCE: f32 = 0.02;
 

@@ -35,6 +35,7 @@ pub struct DrawerBox {
 
 impl Scenario<2> for DrawerBox {
     const NAME: &'static str = "drawer-box";
+    const VERBS: [&'static str; 2] = ["open", "place"];
     const OBJECTS: [&'static str; 2] = ["handle", "block"];
     const EPISODE_STEPS: usize = 60;
     const RECIPE: Option<&'static str> = Some(include_str!("drawer-box.toml"));

@@ -41,6 +41,7 @@ pub struct Insert {
 
 impl Scenario<1> for Insert {
     const NAME: &'static str = "insert";
+    const VERBS: [&'static str; 1] = ["insert"];
     const OBJECTS: [&'static str; 1] = ["hole"];
     const TOLERANCE: f32 = 0.01;
 

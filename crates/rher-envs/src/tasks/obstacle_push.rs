@@ -33,6 +33,7 @@ const OBSERVE_OBSTACLE: TaskOption = TaskOption::flag(
 
 impl Scenario<1> for ObstaclePush {
     const NAME: &'static str = "obstacle-push";
+    const VERBS: [&'static str; 1] = ["push"];
     const FRONT_LIKE_BACK: bool = true;
     const OPTIONS: &'static [TaskOption] = &[OBSERVE_OBSTACLE];
     const RECIPE: Option<&'static str> = Some(include_str!("obstacle-push.toml"));

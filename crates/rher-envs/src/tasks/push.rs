@@ -18,6 +18,7 @@ pub struct Push(Blocks<1>);
 
 impl Scenario<1> for Push {
     const NAME: &'static str = "push";
+    const VERBS: [&'static str; 1] = ["push"];
     const FRONT_LIKE_BACK: bool = true;
 
     fn build() -> (Self, World) {

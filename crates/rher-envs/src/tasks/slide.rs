@@ -39,6 +39,7 @@ pub struct Slide {
 
 impl Scenario<1> for Slide {
     const NAME: &'static str = "slide";
+    const VERBS: [&'static str; 1] = ["slide"];
     const OBJECTS: [&'static str; 1] = ["puck"];
     const RECIPE: Option<&'static str> = Some(include_str!("slide.toml"));
 

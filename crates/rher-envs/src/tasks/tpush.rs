@@ -22,6 +22,7 @@ pub struct TPush(Blocks<3>);
 
 impl Scenario<3> for TPush {
     const NAME: &'static str = "tpush";
+    const VERBS: [&'static str; 3] = ["push"; 3];
     const FRONT_LIKE_BACK: bool = true;
     const EPISODE_STEPS: usize = 70;
     const ALIKE: bool = true;
