@@ -489,6 +489,8 @@ fn wrong_settings_on_the_command_line_are_refused() {
     error: the following required arguments were not provided:
       <TASK>
 
+      tip: the tasks are reach, push, pick, slide, insert, obstacle-push, drawer, cue-push, dpush, stack, drawer-box, tpush, tstack
+
     Usage: rher train <TASK>
 
     For more information, try '--help'.
@@ -542,7 +544,7 @@ fn a_policy_is_evaluated_from_its_folder_or_its_file() {
     let rher = Rher::new();
     rher.ok(&format!("train push --quiet --env-steps 250 {TINY} --out run"));
     let report = rher.ok("eval run --episodes 10 --json");
-    assert_eq!(report, rher.ok("eval run/policy.safetensors --episodes 10 --seed 0 --json"));
+    assert_eq!(report, rher.ok("eval run/policy.safetensors --episodes 10 --seed 1 --json"));
     let report = json(&report);
     assert_eq!(
         keys(&report),
@@ -551,16 +553,20 @@ fn a_policy_is_evaluated_from_its_folder_or_its_file() {
             "env_seed",
             "episodes",
             "final_distance",
+            "held_out",
             "success",
             "success_final",
             "task",
             "true_final_distance"
         ]
     );
-    assert_eq!((&report["episodes"], &report["env_seed"]), (&Value::from(10), &Value::from(0)));
+    assert_eq!((&report["episodes"], &report["env_seed"]), (&Value::from(10), &Value::from(1)));
     assert_eq!(report["success"].as_array().unwrap().len(), 2);
     let text = rher.ok("eval run --episodes 10");
     assert!(text.contains("of 10 episodes (95 % interval"), "{text}");
+    assert!(text.contains("of seed 1, not those of training"), "{text}");
+    let text = rher.ok("eval run --episodes 10 --seed 0");
+    assert!(text.contains("of seed 0, those that training was judged by"), "{text}");
 }
 
 #[test]

@@ -12,6 +12,7 @@ mod identity;
 mod learning;
 #[cfg(feature = "live")]
 mod live;
+mod newcomers;
 mod options;
 mod plans;
 mod pretrained;

@@ -395,9 +395,12 @@ pub(crate) struct EvalArgs {
     #[arg(long, value_name = "N", default_value = "100", value_parser = episodes)]
     pub(crate) episodes: NonZeroUsize,
 
-    /// Seed of the evaluation episodes; training evaluates on those of seed 0
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = toml_integer(0))]
-    pub(crate) seed: u64,
+    /// Seed of the evaluation episodes [default: one that training has not evaluated with]
+    ///
+    /// Training evaluates with the seed in `evaluation.env_seed`, which is 0, and decides by those
+    /// episodes when it is solved; the default is one more than that.
+    #[arg(long, value_name = "N", value_parser = toml_integer(0))]
+    pub(crate) seed: Option<u64>,
 
     /// Number of threads, which never changes the result [default: one for each core]
     #[arg(long, value_name = "N", value_parser = workers)]

@@ -9,6 +9,7 @@ mod cli;
 mod commands;
 mod errors;
 mod exit_code;
+mod expected;
 mod film;
 mod flops;
 mod host;
@@ -18,6 +19,7 @@ mod observe;
 mod plot;
 mod printer;
 mod tables;
+mod tips;
 mod trained;
 mod values;
 
@@ -31,7 +33,8 @@ use std::ffi::OsString;
 pub fn main(program: &Program, arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let cli = match cli::Cli::try_parse_from(arguments) {
         Ok(cli) => cli,
-        Err(error) => {
+        Err(mut error) => {
+            tips::add(&mut error);
             // If the terminal does not take it, there is nowhere to say so.
             let _ = error.print();
             return u8::try_from(error.exit_code()).unwrap_or(exit_code::Status::Usage as u8);

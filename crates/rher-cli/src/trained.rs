@@ -56,6 +56,11 @@ impl Trained {
         self.run.as_ref().map_or(TestPolicy::Final, |run| run.config.exploration.test_policy)
     }
 
+    /// Seed of the episodes that the evaluations of training had.
+    pub(crate) fn training_seed(&self) -> u64 {
+        self.run.as_ref().map_or(0, |run| run.config.evaluation.env_seed)
+    }
+
     /// Adds to what a recording says of itself where its policy comes from.
     pub(crate) fn describe(&self, info: &mut RecordingInfo) -> anyhow::Result<()> {
         let bytes = std::fs::read(&self.file).map_err(FileError::read(&self.file))?;

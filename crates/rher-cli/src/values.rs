@@ -2,8 +2,8 @@
 
 use clap::ValueEnum;
 use clap::builder::{
-    PathBufValueParser, PossibleValue, PossibleValuesParser, RangedU64ValueParser,
-    StringValueParser, TypedValueParser, ValueParser,
+    PathBufValueParser, PossibleValue, PossibleValuesParser, StringValueParser, TypedValueParser,
+    ValueParser,
 };
 use rher_core::config::{EngineKind, Kind, Method, Precision, Preset, Value};
 use rher_envs::Task;
@@ -191,13 +191,83 @@ where
 }
 
 pub(crate) fn task() -> ValueParser {
-    let names = PossibleValuesParser::new(Task::ALL.iter().map(|task| task.name()));
-    ValueParser::new(names.try_map(|name| name.parse::<Task>()))
+    ValueParser::new(TaskName)
 }
 
-/// Integers from `least` to the largest that TOML has.
-pub(crate) fn toml_integer(least: u64) -> RangedU64ValueParser {
-    clap::value_parser!(u64).range(least..=i64::MAX as u64)
+/// Reads the name of a task, or the identity of its Gymnasium environment or of that of which it has
+/// the conventions.
+#[derive(Clone)]
+struct TaskName;
+
+impl TaskName {
+    fn names() -> PossibleValuesParser {
+        PossibleValuesParser::new(Task::ALL.iter().map(|task| task.name()))
+    }
+}
+
+impl TypedValueParser for TaskName {
+    type Value = Task;
+
+    fn parse_ref(
+        &self,
+        command: &clap::Command,
+        arg: Option<&clap::Arg>,
+        value: &OsStr,
+    ) -> Result<Task, clap::Error> {
+        let alias = value.to_str().and_then(task_of_gymnasium);
+        if let Some(task) = alias {
+            return Ok(task);
+        }
+        Self::names().try_map(|name| name.parse::<Task>()).parse_ref(command, arg, value)
+    }
+
+    fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
+        Some(Box::new(Task::ALL.iter().map(|task| PossibleValue::new(task.name()))))
+    }
+}
+
+/// The task of an environment such as `rher/Push-v0` or `FetchPush-v4`, of any version.
+fn task_of_gymnasium(id: &str) -> Option<Task> {
+    let (name, version) = id.rsplit_once("-v")?;
+    version.parse::<u32>().ok()?;
+    let ours =
+        |task: &Task| task.gymnasium_id().rsplit_once("-v").is_some_and(|(of, _)| of == name);
+    match name {
+        "FetchReach" => Some(Task::Reach),
+        "FetchPush" => Some(Task::Push),
+        "FetchSlide" => Some(Task::Slide),
+        "FetchPickAndPlace" => Some(Task::Pick),
+        _ => Task::ALL.iter().copied().find(ours),
+    }
+}
+
+/// Integers from `least` to the largest that TOML has, also as `100_000`, `100k`, `2M` or `1e5`.
+pub(crate) fn toml_integer(least: u64) -> impl Fn(&str) -> Result<u64, String> + Clone {
+    move |text| {
+        let number = integer(text).filter(|number| (least..=i64::MAX as u64).contains(number));
+        number.ok_or_else(|| {
+            format!("expected a whole number of at least {least}, as in `100000`, `100k` or `1e5`")
+        })
+    }
+}
+
+fn integer(text: &str) -> Option<u64> {
+    let digits = text.replace('_', "");
+    let starts = digits.starts_with(|c: char| c.is_ascii_digit());
+    let (number, power) = match digits.as_bytes().last()? {
+        b'k' => (&digits[..digits.len() - 1], 3),
+        b'M' => (&digits[..digits.len() - 1], 6),
+        _ => match digits.split_once(['e', 'E']) {
+            Some((number, power)) => (number, power.parse().ok()?),
+            None => (&*digits, 0),
+        },
+    };
+    // Digits behind the point move it to the right, and have to be gone in the end.
+    let (whole, rest) = number.split_once('.').unwrap_or((number, ""));
+    let rest = rest.trim_end_matches('0');
+    let power = u32::checked_sub(power, u32::try_from(rest.len()).ok()?)?;
+    let number: u64 = format!("{whole}{rest}").parse().ok().filter(|_| starts)?;
+    number.checked_mul(10_u64.checked_pow(power)?)
 }
 
 /// Paths of recordings, by whose end Foxglove knows them.
@@ -267,6 +337,33 @@ mod tests {
         assert!("a.b=[1".parse::<Assignment>().is_err());
         assert!("a.b".parse::<Assignment>().is_err());
         assert!("a.b=".parse::<Assignment>().is_err());
+    }
+
+    #[test]
+    fn integers_are_written_as_people_write_them() {
+        let at_least_1 = toml_integer(1);
+        for text in ["100000", "100_000", "100k", "0.1M", "1e5", "1.0e5", "1E5"] {
+            assert_eq!(at_least_1(text), Ok(100_000), "{text}");
+        }
+        assert_eq!(at_least_1("2.5k"), Ok(2_500));
+        assert_eq!(at_least_1("9223372036854775807"), Ok(i64::MAX as u64));
+        for wrong in
+            ["", "0", "-1", "+1", "k", "1.5", "1e-5", "1e19", "1e99", "1 000", "0x10", "1kk"]
+        {
+            assert!(at_least_1(wrong).is_err(), "{wrong}");
+        }
+        assert_eq!(toml_integer(0)("0"), Ok(0));
+    }
+
+    #[test]
+    fn environments_of_gymnasium_are_tasks() {
+        for task in Task::ALL {
+            assert_eq!(task_of_gymnasium(&task.gymnasium_id()), Some(*task));
+        }
+        assert_eq!(task_of_gymnasium("FetchPickAndPlace-v4"), Some(Task::Pick));
+        for other in ["push", "rher/Push", "FetchPush-vx", "rher/Pull-v0"] {
+            assert_eq!(task_of_gymnasium(other), None);
+        }
     }
 
     #[test]

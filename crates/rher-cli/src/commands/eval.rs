@@ -27,19 +27,23 @@ struct EvalReport {
     true_final_distance: Option<f32>,
     episodes: usize,
     env_seed: u64,
+    /// Whether these are other episodes than those by which training was judged.
+    held_out: bool,
 }
 
 pub(crate) fn eval(args: &EvalArgs, printer: Printer) -> anyhow::Result<()> {
     let EvalArgs { path, episodes, seed, workers, json } = args;
     let trained = Trained::load(path)?;
     let episodes = episodes.get();
+    let of_training = trained.training_seed();
+    let env_seed = seed.unwrap_or(of_training.wrapping_add(1));
     let evaluate = Evaluate {
         policy: &trained.policy,
         config: EvaluationConfig {
             every_episodes: 1,
             episodes,
             subtask_episodes: episodes,
-            env_seed: *seed,
+            env_seed,
         },
         test_policy: trained.test_policy(),
         workers: threads(*workers),
@@ -55,7 +59,8 @@ pub(crate) fn eval(args: &EvalArgs, printer: Printer) -> anyhow::Result<()> {
         final_distance,
         true_final_distance,
         episodes,
-        env_seed: *seed,
+        env_seed,
+        held_out: env_seed != of_training,
     };
     let output = if *json { serde_json::to_string_pretty(&report)? } else { describe(&report) };
     printer.data(&output)?;
@@ -117,7 +122,11 @@ fn describe(report: &EvalReport) -> String {
     if let Some(distance) = report.true_final_distance {
         add("true distance", format!("{:.1} cm", 100.0 * distance));
     }
-    add("env seed", report.env_seed.to_string());
+    let judged = match report.held_out {
+        true => "not those of training",
+        false => "those that training was judged by",
+    };
+    add("episodes", format!("of seed {}, {judged}", report.env_seed));
     text(&lines)
 }
 

@@ -7,7 +7,7 @@ use crate::flops;
 use crate::host::{Stop, end_with_parent, threads};
 use crate::jobs::{Job, holds_run};
 use crate::numbers::{duration, percent, thousands};
-use crate::observe::{EventFile, ProgressView, Recorder, Watch};
+use crate::observe::{Course, EventFile, ProgressView, Recorder, Watch};
 use crate::printer::Printer;
 use crate::trained::made_with;
 use rher_core::config::{EngineKind, Precision, TrainConfig};
@@ -20,7 +20,7 @@ use rher_envs::{EnvVisitor, Simulated, Task};
 use rher_record::{Live, Player};
 use rher_record::{RecordingFile, RecordingInfo, Source};
 use rher_runs::sweep::{Claim, Guard, Pulse};
-use rher_runs::{MetricsFile, RunDir, Settings, read_pretrained, settings};
+use rher_runs::{MetricsFile, RunDir, Settings, read_evaluations, read_pretrained, settings};
 use std::num::{NonZeroU64, NonZeroUsize};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -162,7 +162,7 @@ impl EnvVisitor for Session {
         let How { workers, record_every, tensorboard, printer, max_wall, claim, .. } = how;
         let envs: Vec<E> = (0..config.envs.max(workers)).map(|_| build()).collect();
         let made_with = envs[0].options().clone();
-        let (folder, mut trainer, metrics) = match start {
+        let (folder, mut trainer, metrics, latest) = match start {
             Start::New { path, pretrained } => {
                 let trainer = match pretrained {
                     Some(pretrained) => Trainer::new_from(&pretrained, config, envs, workers)?,
@@ -171,7 +171,7 @@ impl EnvVisitor for Session {
                 // Nothing is made for a run that cannot begin.
                 let folder = RunDir::create(&path)?;
                 let metrics = MetricsFile::create(&folder.metrics(), trainer.id())?;
-                (folder, trainer, metrics)
+                (folder, trainer, metrics, None)
             }
             Start::Resumed { folder, changes } => {
                 let Changes { env_steps, until, engine, precision } = changes;
@@ -195,7 +195,8 @@ impl EnvVisitor for Session {
                 }
                 let (id, evaluations) = (trainer.id(), trainer.evaluations());
                 let metrics = MetricsFile::resume(&folder.metrics(), id, evaluations)?;
-                (folder, trainer, metrics)
+                let latest = read_evaluations(folder.path(), Some(id))?.pop();
+                (folder, trainer, metrics, latest.map(|latest| latest.success))
             }
         };
         if !folder.is_guarded() {
@@ -236,7 +237,9 @@ impl EnvVisitor for Session {
             }
             None => None,
         };
-        let progress = ProgressView::new(printer, trainer.config(), trainer.progress());
+        let names = settings.config.task.parse().map_or_else(|_| Vec::new(), Task::subtasks);
+        let course = Course::new(trainer.config(), names, trainer.spec().episode_steps);
+        let progress = ProgressView::new(printer, course, trainer.progress(), latest.as_deref());
         let started_at = trainer.progress().env_steps;
         let events = tensorboard.then(|| EventFile::create(folder.path(), started_at));
         if let Some((_, pulse)) = &claim {
@@ -306,6 +309,9 @@ fn run<const N: usize, E: Simulated<N>>(
         )),
     }
     printer.note(summary(finish, &trainer, watch.last.as_ref(), &watch.folder));
+    if finish != Finish::Stopped && !is_cell {
+        printer.note(format_args!("`rher play {} --gif policy.gif` shows it", path.display()));
+    }
     if finish == Finish::Stopped {
         printer.note(if is_cell {
             "the same command continues the cell".to_owned()

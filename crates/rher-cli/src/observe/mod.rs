@@ -4,7 +4,7 @@ mod progress;
 mod recorder;
 mod tensorboard;
 
-pub(crate) use progress::ProgressView;
+pub(crate) use progress::{Course, ProgressView};
 pub(crate) use recorder::Recorder;
 pub(crate) use tensorboard::EventFile;
 

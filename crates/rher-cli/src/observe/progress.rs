@@ -1,5 +1,6 @@
-//! How far a run is: a bar where stderr is a terminal, and a line for every evaluation.
+//! How far a run is: a line for every evaluation, and a bar below it where stderr is a terminal.
 
+use crate::expected;
 use crate::numbers::{duration, percent, thousands};
 use crate::printer::{Printer, Verbosity};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -8,58 +9,144 @@ use rher_core::event::{Metrics, Progress};
 use std::io::{self, IsTerminal as _};
 use std::time::Instant;
 
-const TEMPLATE: &str = "{wide_bar} {percent:>3} %\n{wide_msg}";
+const TEMPLATE: &str = "{wide_bar}\n{wide_msg}";
+
+/// A run as those who look on know it.
+pub(crate) struct Course {
+    /// Names of the sub-tasks.
+    pub(crate) subtasks: Vec<String>,
+    /// Budget in environment steps.
+    pub(crate) env_steps: u64,
+    /// Steps from one evaluation to the next.
+    interval: u64,
+    until: f32,
+    /// Steps after which such runs were solved.
+    usual: Option<&'static [u64]>,
+}
+
+impl Course {
+    pub(crate) fn new(config: &TrainConfig, subtasks: Vec<String>, episode_steps: usize) -> Self {
+        let interval = config.evaluation.every_episodes * episode_steps as u64;
+        let TrainConfig { env_steps, until, .. } = *config;
+        Self { subtasks, env_steps, interval, until, usual: expected::usual(config) }
+    }
+
+    /// `reach 100 % · push 88 %`.
+    fn rates(&self, success: impl IntoIterator<Item = Option<f64>>) -> String {
+        let rates = self
+            .subtasks
+            .iter()
+            .zip(success)
+            .map(|(name, rate)| format!("{name} {}", rate.map_or("–".to_owned(), percent)));
+        rates.collect::<Vec<_>>().join(" · ")
+    }
+
+    /// `about 20 s to go, at most 9 min 30 s`, with so many steps in a second.
+    fn left(&self, now: u64, last: Option<f32>, speed: f64) -> String {
+        let time = |steps: u64| duration(steps.saturating_sub(now) as f64 / speed);
+        let most = time(self.env_steps);
+        let solved = self.until > 0.0 && last.is_some_and(|rate| rate >= self.until);
+        match self.usual {
+            Some(usual) => {
+                let end = expected::end(usual, now, self.interval, solved).min(self.env_steps);
+                format!("about {} to go, at most {most}", time(end))
+            }
+            None if self.until > 0.0 => format!("at most {most} to go"),
+            None => format!("{most} to go"),
+        }
+    }
+
+    /// What is known before a run begins, if anything.
+    fn usually(&self) -> Option<String> {
+        let (usual, until) = (self.usual?, f64::from(self.until));
+        let (least, most) = (usual.first()?, usual.last()?);
+        if *most > self.env_steps {
+            return None;
+        }
+        let range = if least == most {
+            format!("about {}", thousands(*least))
+        } else {
+            format!("{} to {}", thousands(*least), thousands(*most))
+        };
+        Some(format!(
+            "goal: {} in two consecutive evaluations, which usually takes {range} steps, at most {}",
+            percent(until),
+            thousands(self.env_steps)
+        ))
+    }
+}
 
 /// Shows how far a run is.
 pub(crate) struct ProgressView {
     printer: Printer,
     /// `None` where nobody would see it.
     bar: Option<ProgressBar>,
-    env_steps: u64,
-    started: Instant,
-    started_at: u64,
-    results: String,
+    course: Course,
+    /// Success in the latest evaluation.
+    last: Option<f32>,
+    /// Since when, and from which step on, the speed is measured: the evaluation before the latest.
+    since: [(Instant, u64); 2],
 }
 
 impl ProgressView {
-    /// A view of a run with these settings that is at `now`.
-    pub(crate) fn new(printer: Printer, config: &TrainConfig, now: Progress) -> Self {
-        let env_steps = config.env_steps;
+    /// A view of a run that is at `now`, with the success of each sub-task in its latest evaluation.
+    pub(crate) fn new(
+        printer: Printer,
+        course: Course,
+        now: Progress,
+        latest: Option<&[Option<f64>]>,
+    ) -> Self {
         let shown = printer.verbosity() == Verbosity::Normal && io::stderr().is_terminal();
+        if let Some(usually) = course.usually() {
+            printer.note(usually);
+        }
+        if let Some(success) = latest {
+            let (steps, rates) = (thousands(now.env_steps), course.rates(success.iter().copied()));
+            printer.note(format_args!("resumed at {steps} steps: {rates}"));
+        }
         let bar = shown.then(|| {
             let style = ProgressStyle::with_template(TEMPLATE);
             let style = style.unwrap_or_else(|_| ProgressStyle::default_bar());
-            ProgressBar::new(env_steps).with_style(style).with_position(now.env_steps)
+            ProgressBar::new(course.env_steps).with_style(style).with_position(now.env_steps)
         });
-        Self {
-            printer,
-            bar,
-            env_steps,
-            started: Instant::now(),
-            started_at: now.env_steps,
-            results: "not evaluated yet".to_owned(),
-        }
+        let since = (Instant::now(), now.env_steps);
+        let last = latest.and_then(|success| success.last().copied().flatten());
+        let last = last.map(|rate| rate as f32);
+        Self { printer, bar, course, last, since: [since; 2] }
     }
 
     /// Training went on.
     pub(crate) fn advance(&self, now: Progress) {
-        if let Some(bar) = &self.bar {
-            bar.set_position(now.env_steps);
-            bar.set_message(self.line(now.env_steps));
-        }
+        let Some(bar) = &self.bar else { return };
+        let (steps, speed) = (now.env_steps, self.speed(now.env_steps));
+        let Course { usual, interval, env_steps, until, .. } = self.course;
+        let solved = until > 0.0 && self.last.is_some_and(|rate| rate >= until);
+        let end = usual.map_or(env_steps, |usual| expected::end(usual, steps, interval, solved));
+        bar.set_length(end.min(env_steps));
+        bar.set_position(steps);
+        bar.set_message(format!(
+            "{} steps  {} steps/s  {}",
+            thousands(steps),
+            thousands(speed as u64),
+            self.course.left(steps, self.last, speed),
+        ));
     }
 
     /// An evaluation ended.
     pub(crate) fn evaluated(&mut self, metrics: &Metrics) {
-        let rates: Vec<String> = metrics
-            .success
-            .iter()
-            .map(|rate| rate.map_or("–".to_owned(), |rate| percent(f64::from(rate))))
-            .collect();
-        self.results = format!("guide {}  success {}", metrics.guide, rates.join(" · "));
-        let line = self.line(metrics.env_steps);
+        self.last = Some(metrics.success_final);
+        let Metrics { env_steps, guide, success, .. } = metrics;
+        let speed = self.speed(*env_steps);
+        let line = format!(
+            "{:>9} steps  {}  guide {guide}  {} steps/s  {}",
+            thousands(*env_steps),
+            self.course.rates(success.iter().map(|rate| rate.map(f64::from))),
+            thousands(speed as u64),
+            self.course.left(*env_steps, self.last, speed),
+        );
+        self.since = [self.since[1], (Instant::now(), *env_steps)];
         match &self.bar {
-            Some(bar) => bar.set_message(line),
+            Some(bar) => bar.suspend(|| self.printer.note(line)),
             None => self.printer.note(line),
         }
     }
@@ -88,17 +175,10 @@ impl ProgressView {
         }
     }
 
-    fn line(&self, env_steps: u64) -> String {
-        let seconds = self.started.elapsed().as_secs_f64();
-        let rate = (env_steps - self.started_at) as f64 / seconds.max(f64::EPSILON);
-        let left = self.env_steps.saturating_sub(env_steps) as f64 / rate.max(f64::EPSILON);
-        format!(
-            "{} of {} steps  {} steps/s  ETA {}  {}",
-            thousands(env_steps),
-            thousands(self.env_steps),
-            thousands(rate as u64),
-            duration(left),
-            self.results,
-        )
+    /// Steps in a second.
+    fn speed(&self, env_steps: u64) -> f64 {
+        let [(since, from), _] = self.since;
+        let steps = env_steps.saturating_sub(from) as f64;
+        (steps / since.elapsed().as_secs_f64().max(f64::EPSILON)).max(f64::EPSILON)
     }
 }

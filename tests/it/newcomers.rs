@@ -1,0 +1,36 @@
+//! What people meet in their first minutes.
+
+use crate::support::{Rher, TINY};
+
+#[test]
+fn options_of_other_programs_are_explained() {
+    let rher = Rher::new();
+    for (command, tip) in [
+        ("train push --total-timesteps=1000", "`--env-steps N` is the budget"),
+        ("train push --lr 0.1", "agent.actor_learning_rate"),
+        ("train push --device cuda", "computed on the CPU"),
+        ("train push --seeds 1-3", "rher sweep push"),
+        ("train", "the tasks are reach, push, pick"),
+    ] {
+        let ran = rher.run(command).to_string();
+        assert!(ran.starts_with("exit 2") && ran.contains(tip), "{ran}");
+    }
+}
+
+#[test]
+fn an_evaluation_names_the_sub_tasks_and_says_how_long_it_will_take() {
+    let rher = Rher::new();
+    let log = rher.run(&format!("train push --env-steps 500 {TINY} --out run")).stderr;
+    assert!(log.contains("reach ") && log.contains(" · push "), "{log}");
+    assert!(log.contains("to go"), "{log}");
+    let log = rher.run("train --resume run --env-steps 1k").stderr;
+    assert!(log.contains("resumed at 500 steps: reach "), "{log}");
+}
+
+#[test]
+fn tasks_have_the_names_of_their_gymnasium_environments_too() {
+    let rher = Rher::new();
+    for name in ["rher/PickAndPlace-v0", "FetchPickAndPlace-v4"] {
+        assert_eq!(rher.ok(&format!("config {name}")), rher.ok("config pick"));
+    }
+}
