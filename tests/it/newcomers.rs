@@ -1,6 +1,7 @@
 //! What people meet in their first minutes.
 
 use crate::support::{Rher, TINY};
+use serde_json::Value;
 
 #[test]
 fn options_of_other_programs_are_explained() {
@@ -33,4 +34,33 @@ fn tasks_have_the_names_of_their_gymnasium_environments_too() {
     for name in ["rher/PickAndPlace-v0", "FetchPickAndPlace-v4"] {
         assert_eq!(rher.ok(&format!("config {name}")), rher.ok("config pick"));
     }
+}
+
+#[test]
+fn runs_are_listed_with_their_state() {
+    let rher = Rher::new();
+    rher.ok(&format!("train push --quiet --env-steps 500 {TINY}"));
+    rher.ok(&format!(
+        "train reach --quiet --env-steps 500 {TINY} --method her --out runs/a/b --seed 2"
+    ));
+    let running = rher.spawn(&format!("train push --quiet --env-steps 100k {TINY} --out runs/c"));
+    rher.wait_for_metrics("runs/c");
+    let runs: Vec<Value> = serde_json::from_str(&rher.ok("runs --json")).unwrap();
+    let facts =
+        |run: &Value| ["folder", "task", "state"].map(|key| run[key].as_str().unwrap().to_owned());
+    assert_eq!(
+        runs.iter().map(facts).collect::<Vec<_>>(),
+        [
+            ["runs/a/b", "reach", "spent"],
+            ["runs/c", "push", "running"],
+            ["runs/push-rher-fast-1", "push", "spent"],
+        ]
+    );
+    running.interrupt();
+    running.end();
+    let listing = rher.ok("runs");
+    assert!(listing.contains("stopped") && listing.contains("her fast"), "{listing}");
+    assert!(rher.run("runs nowhere").to_string().contains("`nowhere`"));
+    std::fs::create_dir(rher.path("empty")).unwrap();
+    assert!(rher.run("runs empty").stderr.contains("there is no run in `empty`"));
 }

@@ -59,6 +59,8 @@ pub(crate) enum Command {
     Replay(ReplayArgs),
     /// Write a dataset of demonstrations in the format of Minari or LeRobot
     Export(ExportArgs),
+    /// List the runs below a folder: how far they are, and whether they go on
+    Runs(ListArgs),
     /// Compare runs: sample efficiency, final success, confidence intervals
     Stats(StatsArgs),
     /// Draw learning curves, with those that the authors published
@@ -84,6 +86,17 @@ pub(crate) struct DoctorArgs {
     pub(crate) bits: bool,
 
     /// Print JSON: an object
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ListArgs {
+    /// Folder to look in, four levels deep
+    #[arg(default_value = "runs", value_name = "DIR")]
+    pub(crate) folder: PathBuf,
+
+    /// Print JSON: an array with one object per run
     #[arg(long)]
     pub(crate) json: bool,
 }

@@ -14,6 +14,14 @@ pub(crate) fn percent(share: f64) -> String {
     format!("{:.0} %", 100.0 * share)
 }
 
+/// A size as `512 B`, `3.4 kB` or `1.2 GB`.
+pub(crate) fn bytes(size: u64) -> String {
+    let units = [(1e9, "GB"), (1e6, "MB"), (1e3, "kB")];
+    let unit = units.into_iter().find(|(unit, _)| size as f64 >= *unit);
+    let in_unit = |(unit, name)| format!("{:.1} {name}", size as f64 / unit);
+    unit.map_or_else(|| format!("{size} B"), in_unit)
+}
+
 /// Seconds as `42 s`, `3 min 05 s` or `2 h 07 min`.
 pub(crate) fn duration(seconds: f64) -> String {
     let seconds = Duration::try_from_secs_f64(seconds).map_or(u64::MAX, |time| time.as_secs());
@@ -33,5 +41,6 @@ mod tests {
         assert_eq!([0, 999, 1_000, 1_234_567].map(thousands), ["0", "999", "1,000", "1,234,567"]);
         assert_eq!([0.4, 65.0, 7_620.0].map(duration), ["0 s", "1 min 05 s", "2 h 07 min"]);
         assert_eq!(percent(0.954), "95 %");
+        assert_eq!([999, 3_400, 1_200_000_000].map(bytes), ["999 B", "3.4 kB", "1.2 GB"]);
     }
 }

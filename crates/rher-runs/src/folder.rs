@@ -153,6 +153,12 @@ fn has_no_locks(error: &io::Error) -> bool {
         || error.raw_os_error() == Some(Errno::NOLCK.raw_os_error())
 }
 
+/// Whether a process trains in this folder; never, where the file system has no locks.
+pub(crate) fn is_in_use(path: &Path) -> bool {
+    let lock = File::open(path.join(LOCK_FILE)).ok();
+    lock.is_some_and(|lock| matches!(lock.try_lock_shared(), Err(TryLockError::WouldBlock)))
+}
+
 /// The first checkpoint is written before the first step, so without one nothing was done. One that
 /// is damaged is there.
 fn holds_checkpoint(path: &Path) -> Result<bool, FileError> {

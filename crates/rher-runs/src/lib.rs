@@ -3,6 +3,7 @@
 mod config_file;
 mod difference;
 mod folder;
+mod listing;
 mod machine;
 mod metrics;
 mod pretrained;
@@ -13,6 +14,7 @@ pub mod sweep;
 pub use config_file::{CONFIG_FILE, ConfigFile, ConfigFileError};
 pub use difference::{OtherSettings, difference};
 pub use folder::{RunDir, RunDirError};
+pub use listing::{Listed, State, list};
 pub use machine::Machine;
 pub use metrics::{Evaluation, METRICS_FILE, MetricsError, MetricsFile, read_evaluations};
 pub use pretrained::read_pretrained;

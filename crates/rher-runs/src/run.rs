@@ -39,11 +39,20 @@ pub struct Group {
 
 /// What is read of the settings, whatever version of the program wrote them.
 #[derive(Deserialize)]
-struct Header {
+pub(crate) struct Header {
     task: Task,
     preset: String,
     seed: u64,
     relay: Relay,
+}
+
+impl Header {
+    /// What the run has in common with the other seeds, and its seed.
+    pub(crate) fn into_parts(self) -> (Group, u64) {
+        let Self { task, preset, seed, relay } = self;
+        let (Task::Section { name: task } | Task::Name(task)) = task;
+        (Group { task, method: relay.method, preset }, seed)
+    }
 }
 
 /// A task has a section of settings; earlier versions wrote its name alone.
@@ -98,11 +107,12 @@ impl Run {
         let file = ConfigFile::read(folder)?.ok_or_else(|| missing(CONFIG_FILE))?;
         let id = file.run;
         let mut settings = file.into_table();
-        let Header { task, preset, seed, relay } =
+        let header =
             Header::deserialize(settings.clone()).map_err(|error| ConfigFileError::Damaged {
                 path: folder.join(CONFIG_FILE),
                 problem: error.message().to_owned(),
             })?;
+        let (group, seed) = header.into_parts();
         for key in ["seed", "env_steps", "until"] {
             settings.remove(key);
         }
@@ -113,8 +123,6 @@ impl Run {
             Err(MetricsError::Missing { .. }) => return Err(missing(METRICS_FILE)),
             evaluations => evaluations?,
         };
-        let (Task::Section { name: task } | Task::Name(task)) = task;
-        let group = Group { task, method: relay.method, preset };
         Ok(Self { folder: folder.to_owned(), group, seed, id, settings, evaluations })
     }
 

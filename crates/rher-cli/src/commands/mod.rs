@@ -11,6 +11,7 @@ mod plot;
 mod replay;
 mod report;
 mod reproduce;
+mod runs;
 mod stats;
 mod status;
 mod sweep;
@@ -35,6 +36,7 @@ pub(crate) fn run(command: Command, program: &Program, printer: Printer) -> anyh
         Command::Export(args) => return export::export(&args, printer),
         Command::Play(args) => return play::play(&args, printer),
         Command::Replay(args) => replay::replay(&args, printer)?,
+        Command::Runs(args) => runs::runs(&args, printer)?,
         Command::Stats(args) => stats::stats(&args, printer)?,
         Command::Plot(args) => plot::plot(&args, printer)?,
         Command::Report(args) => report::report(&args, printer)?,
