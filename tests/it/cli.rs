@@ -43,6 +43,7 @@ fn help_names_the_verbs_and_every_exit_status() {
       play       Play episodes of a policy, and draw or record them
       replay     List the episodes of a recording, or verify that they reproduce bit for bit
       export     Write a dataset of demonstrations in the format of Minari or LeRobot
+      runs       List the runs below a folder: how far they are, and whether they go on
       stats      Compare runs: sample efficiency, final success, confidence intervals
       plot       Draw learning curves, with those that the authors published
       report     Write one HTML page about runs: curves, tables, an episode, settings
