@@ -122,10 +122,8 @@ fn describe(report: &EvalReport) -> String {
     if let Some(distance) = report.true_final_distance {
         add("true distance", format!("{:.1} cm", 100.0 * distance));
     }
-    let judged = match report.held_out {
-        true => "not those of training",
-        false => "those that training was judged by",
-    };
+    let judged =
+        if report.held_out { "not those of training" } else { "those that training was judged by" };
     add("episodes", format!("of seed {}, {judged}", report.env_seed));
     text(&lines)
 }
