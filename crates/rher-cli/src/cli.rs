@@ -114,7 +114,7 @@ Examples:
   rher train push                          train until it succeeds 95 times in 100
   rher train push --method her --seed 2    the baseline: plain hindsight, no relay
   rher train pick --preset paper --envs 19 the published settings, 19 environments side by side
-  rher train push --set agent.hidden=[128,128] --set relay.mirror=0
+  rher train push --set 'agent.hidden=[128,128]' --set relay.mirror=0
   rher train tpush --from runs/dpush-rher-fast-1
   rher train --resume runs/push-rher-fast-1
 
@@ -206,7 +206,7 @@ pub(crate) struct TrainArgs {
 Examples:
   rher sweep push --seeds 1-5
   rher sweep push --seeds 1-3 --set relay.mirror=0,0.5 --set agent.discount=0.95,0.98
-  rher sweep push --set agent.hidden=[256,256],[256,256,256] --jobs 1
+  rher sweep push --set 'agent.hidden=[256,256],[256,256,256]' --jobs 1
   rher sweep push pick --seeds 1-10 --set relay.mirror=0,0.5 --plan plan.jsonl
   rher sweep --plan plan.jsonl             train all of it here
   rher sweep --plan plan.jsonl --cell 3    train one of its cells, on any machine
