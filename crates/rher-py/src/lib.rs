@@ -49,6 +49,10 @@ mod _rher {
     use super::vector::VectorEnv;
     use super::{Bound, PyImportError, PyModule, PyResult, Simd};
 
+    #[pymodule_export]
+    #[expect(non_upper_case_globals, reason = "its name in Python")]
+    const __version__: &str = env!("CARGO_PKG_VERSION");
+
     #[pymodule_init]
     fn init(_module: &Bound<'_, PyModule>) -> PyResult<()> {
         Simd::chosen().map(drop).map_err(|error| PyImportError::new_err(error.to_string()))

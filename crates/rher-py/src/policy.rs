@@ -125,6 +125,21 @@ impl Policy {
         PyArray1::from_vec(py, actions).reshape(shape)
     }
 
+    /// The actions as Stable-Baselines3 asks for them, and no state. It is the same action every time,
+    /// whether that is asked for or not.
+    #[pyo3(signature = (observation, state=None, episode_start=None, deterministic=true))]
+    #[expect(unused_variables, reason = "the names are those of Stable-Baselines3")]
+    fn predict<'py>(
+        &self,
+        py: Python<'py>,
+        observation: &Bound<'py, PyAny>,
+        state: Option<&Bound<'py, PyAny>>,
+        episode_start: Option<&Bound<'py, PyAny>>,
+        deterministic: bool,
+    ) -> PyResult<(Bound<'py, PyArrayDyn<f32>>, Option<Py<PyAny>>)> {
+        Ok((self.__call__(py, observation, None)?, None))
+    }
+
     /// The policy for the episode that begins with this observation and goal, or for a batch of
     /// them: it places objects in the order that promises most, where the task allows every order.
     /// A policy that is called without it takes them as they are given.

@@ -3,7 +3,7 @@
 import gymnasium
 import numpy as np
 import pytest
-import rher  # noqa: F401
+import rher
 
 sb3 = pytest.importorskip("stable_baselines3")
 
@@ -44,3 +44,22 @@ def test_hindsight_learns_to_reach():
         if success(model, env) == 1.0:
             return
     pytest.fail("TD3 with hindsight did not learn to reach")
+
+
+def test_a_policy_is_evaluated_like_a_model(tmp_path):
+    from stable_baselines3.common.evaluation import evaluate_policy
+
+    tiny = {"agent.hidden": [16, 16], "replay.batch_size": 16, "evaluation.episodes": 2}
+    policy = rher.train("reach", set=tiny, env_steps=100, out=tmp_path / "run").policy
+    env = gymnasium.make("rher/Reach-v0")
+    observation, _ = env.reset(seed=0)
+    action, state = policy.predict(observation, deterministic=True)
+    assert state is None and np.array_equal(action, policy(observation))
+    mean, deviation = evaluate_policy(policy, env, n_eval_episodes=2, warn=False)
+    assert -env.spec.max_episode_steps <= mean <= 0 and deviation >= 0
+
+
+def test_the_version_is_that_of_the_package():
+    from importlib.metadata import version
+
+    assert rher.__version__ == version("rher")

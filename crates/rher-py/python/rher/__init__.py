@@ -9,7 +9,7 @@ Importing this package registers its environments with Gymnasium::
 """
 
 from rher import env as _env
-from rher._rher import Policy, State, tasks
+from rher._rher import Policy, State, __version__, tasks
 from rher.env import IDS, TaskEnv
 from rher.errors import (
     ClusterError,
@@ -45,6 +45,7 @@ __all__ = [
     "TaskVectorEnv",
     "TrainError",
     "Trainer",
+    "__version__",
     "resume",
     "tasks",
     "train",

@@ -11,6 +11,8 @@ _Observation = dict[str, npt.NDArray[np.float64]]
 _Info = dict[str, Any]
 _Path = str | os.PathLike[str]
 
+__version__: str
+
 def tasks() -> list[str]:
     """Names of the tasks, the simplest first."""
 
@@ -123,6 +125,19 @@ class Policy:
         :param goal: where the objects should be, ``(3 * objects,)`` or ``(batch, 3 * objects)``, in
             meters; by default the ``desired_goal`` of the dictionary.
         :return: numbers within -1 and 1, ``(action_width,)`` or ``(batch, action_width)``.
+        """
+
+    def predict(
+        self,
+        observation: npt.ArrayLike | dict[str, npt.ArrayLike],
+        state: object = None,
+        episode_start: object = None,
+        deterministic: bool = True,
+    ) -> tuple[npt.NDArray[np.float32], None]:
+        """As the models of Stable-Baselines3 have it, whose ``evaluate_policy`` takes a policy.
+
+        :return: what the policy returns when it is called, and no state. The other arguments change
+            nothing: the policy has neither memory nor chance, and takes objects in their order.
         """
 
     def begin(
