@@ -62,7 +62,11 @@ pub(crate) fn eval(args: &EvalArgs, printer: Printer) -> anyhow::Result<()> {
         env_seed,
         held_out: env_seed != of_training,
     };
-    let output = if *json { serde_json::to_string_pretty(&report)? } else { describe(&report) };
+    let output = if *json {
+        serde_json::to_string_pretty(&report)?
+    } else {
+        describe(&report, &trained.task.subtasks())
+    };
     printer.data(&output)?;
     Ok(())
 }
@@ -97,7 +101,7 @@ fn wilson(rate: f32, episodes: usize) -> [f64; 2] {
     [(center - margin) / scale, (center + margin) / scale].map(|bound| bound.clamp(0.0, 1.0))
 }
 
-fn describe(report: &EvalReport) -> String {
+fn describe(report: &EvalReport, subtasks: &[String]) -> String {
     let [low, high] = report.ci95;
     let mut lines = table();
     let mut add = |name: &str, value: String| {
@@ -114,9 +118,8 @@ fn describe(report: &EvalReport) -> String {
             percent(high)
         ),
     );
-    for (index, rate) in report.success.iter().enumerate() {
-        let rate = rate.map_or("not trained".to_owned(), |rate| percent(rate.into()));
-        add(&format!("sub-task {}", index + 1), rate);
+    for (name, rate) in subtasks.iter().zip(&report.success) {
+        add(name, rate.map_or("not trained".to_owned(), |rate| percent(rate.into())));
     }
     add("final distance", format!("{:.1} cm", 100.0 * report.final_distance));
     if let Some(distance) = report.true_final_distance {

@@ -5,6 +5,7 @@ use super::curves::{Band, Curve, summarize};
 use super::published;
 use super::statistics::{interquartile_mean, mean};
 use clap::ValueEnum;
+use rher_envs::Task;
 use rher_runs::{Evaluation, Group, Run};
 
 /// Colors that differ for every kind of color vision, after Okabe and Ito.
@@ -78,8 +79,11 @@ impl Figure {
         let subtasks = groups.iter().map(|(_, runs)| runs[0].last().success.len());
         let subtasks = subtasks.max().unwrap_or(1);
         let whole = self.panel(format!("{task}: success"), None, groups, names, end);
+        let known = task.parse().map_or_else(|_| Vec::new(), Task::subtasks);
         let before = (0..subtasks - 1).map(|subtask| {
-            self.panel(format!("sub-task {}", subtask + 1), Some(subtask), groups, names, end)
+            let title = known.get(subtask).cloned();
+            let title = title.unwrap_or_else(|| format!("sub-task {}", subtask + 1));
+            self.panel(title, Some(subtask), groups, names, end)
         });
         std::iter::once(whole).chain(before.filter(|panel| !panel.lines.is_empty())).collect()
     }
