@@ -7,7 +7,7 @@ use super::fused::FusedEngine;
 use super::state::{LearnerState, Trained};
 use crate::batch::Batch;
 use crate::config::Preset;
-use crate::config::{AgentConfig, Init, TargetEvery};
+use crate::config::{AgentConfig, Init, Precision, TargetEvery};
 use crate::normal::StandardNormal;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
@@ -21,10 +21,14 @@ const AT_A_KINK: f64 = 1e-2;
 /// Share of a network's norm below which a tensor is what is left of larger terms.
 const CANCELED: f64 = 0.02;
 
-/// TD3 and DDPG, then each switch of TD3 on its other side, and other depths.
+/// TD3 and DDPG, then each switch of TD3 on its other side, and other depths; in the precision that
+/// both engines have.
 fn configs() -> Vec<AgentConfig> {
-    let of =
-        |preset: Preset| AgentConfig { hidden: vec![13, 9], ..preset.config("agreement", 1).agent };
+    let of = |preset: Preset| AgentConfig {
+        hidden: vec![13, 9],
+        precision: Precision::F32,
+        ..preset.config("agreement", 1).agent
+    };
     let td3 = || of(Preset::Fast);
     vec![
         td3(),
