@@ -136,8 +136,8 @@ impl Policy {
         state: Option<&Bound<'py, PyAny>>,
         episode_start: Option<&Bound<'py, PyAny>>,
         deterministic: bool,
-    ) -> PyResult<(Bound<'py, PyArrayDyn<f32>>, Option<Py<PyAny>>)> {
-        Ok((self.__call__(py, observation, None)?, None))
+    ) -> PyResult<Bound<'py, PyTuple>> {
+        (self.__call__(py, observation, None)?, py.None()).into_pyobject(py)
     }
 
     /// The policy for the episode that begins with this observation and goal, or for a batch of
