@@ -41,16 +41,19 @@ impl Course {
         rates.collect::<Vec<_>>().join(" · ")
     }
 
+    /// The step at which it will end, at a guess: with the budget, where nobody knows better.
+    fn end(&self, now: u64, last: Option<f32>) -> u64 {
+        let solved = self.until > 0.0 && last.is_some_and(|rate| rate >= self.until);
+        let end = self.usual.map(|usual| expected::end(usual, now, self.interval, solved));
+        end.map_or(self.env_steps, |end| end.min(self.env_steps))
+    }
+
     /// `about 20 s to go, at most 9 min 30 s`, with so many steps in a second.
     fn left(&self, now: u64, last: Option<f32>, speed: f64) -> String {
         let time = |steps: u64| duration(steps.saturating_sub(now) as f64 / speed);
         let most = time(self.env_steps);
-        let solved = self.until > 0.0 && last.is_some_and(|rate| rate >= self.until);
         match self.usual {
-            Some(usual) => {
-                let end = expected::end(usual, now, self.interval, solved).min(self.env_steps);
-                format!("about {} to go, at most {most}", time(end))
-            }
+            Some(_) => format!("about {} to go, at most {most}", time(self.end(now, last))),
             None if self.until > 0.0 => format!("at most {most} to go"),
             None => format!("{most} to go"),
         }
@@ -119,10 +122,7 @@ impl ProgressView {
     pub(crate) fn advance(&self, now: Progress) {
         let Some(bar) = &self.bar else { return };
         let (steps, speed) = (now.env_steps, self.speed(now.env_steps));
-        let Course { usual, interval, env_steps, until, .. } = self.course;
-        let solved = until > 0.0 && self.last.is_some_and(|rate| rate >= until);
-        let end = usual.map_or(env_steps, |usual| expected::end(usual, steps, interval, solved));
-        bar.set_length(end.min(env_steps));
+        bar.set_length(self.course.end(steps, self.last));
         bar.set_position(steps);
         bar.set_message(format!(
             "{} steps  {} steps/s  {}",
