@@ -17,7 +17,7 @@ fuzz_target!(|file: &[u8]| {
         let path = folder.path().join(CONFIG_FILE);
         std::fs::write(&path, file).unwrap();
         let asked = Asked { config: Some(path), ..Asked::default() };
-        for task in [Task::Reach, Task::CuePush] {
+        for task in [Task::REACH, Task::CUE_PUSH] {
             if let Ok(settings) = settings::resolve(task, &asked) {
                 settings.config.validate().unwrap();
                 settings::to_toml(&settings).unwrap();

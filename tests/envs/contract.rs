@@ -93,13 +93,13 @@ fn names_lead_to_tasks_and_unknown_ones_to_the_list() {
 #[test]
 fn as_many_episodes_begin_solved_as_in_fetch() {
     let expected: [(Task, f32); 7] = [
-        (Task::Reach, 0.0194),
-        (Task::Push, 0.069),
-        (Task::Pick, 0.037),
-        (Task::Slide, 0.003),
-        (Task::Insert, 0.0),
-        (Task::DPush, 0.018),
-        (Task::TPush, 0.005),
+        (Task::REACH, 0.0194),
+        (Task::PUSH, 0.069),
+        (Task::PICK, 0.037),
+        (Task::SLIDE, 0.003),
+        (Task::INSERT, 0.0),
+        (Task::DPUSH, 0.018),
+        (Task::TPUSH, 0.005),
     ];
     for (task, expected) in expected {
         let share = task.visit(BeginSolved);
@@ -128,7 +128,7 @@ impl EnvVisitor for BeginSolved {
 
 #[test]
 fn doing_nothing_and_random_actions_seldom_succeed() {
-    for task in Task::ALL.iter().filter(|task| **task != Task::Reach) {
+    for task in Task::ALL.iter().filter(|task| **task != Task::REACH) {
         let still = task.visit(Succeed { random: false });
         let random = task.visit(Succeed { random: true });
         println!("{task}: solved by doing nothing {still}, at random {random}");

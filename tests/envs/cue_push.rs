@@ -26,7 +26,7 @@ fn cue_push() -> Stand<Simulation<CuePush, 1>> {
 }
 
 fn clear_cue_push() -> Stand<Simulation<CuePush, 1>> {
-    Stand::new(Simulation::with(&seen_clearly(Task::CuePush)).unwrap())
+    Stand::new(Simulation::with(&seen_clearly(Task::CUE_PUSH)).unwrap())
 }
 
 #[test]
@@ -203,7 +203,7 @@ fn the_cylinder_stays_upright_whatever_the_cue_does() {
 
 #[test]
 fn noise_and_delay_can_be_set() {
-    let mut options = Options::of(Task::CuePush.options());
+    let mut options = Options::of(Task::CUE_PUSH.options());
     options.task.0.insert("noise".to_owned(), OptionValue::Number(0.5));
     let error = Simulation::<CuePush, 1>::with(&options).err().unwrap();
     assert_eq!(error.to_string(), "`task.noise` is 0.5, expected a number from 0 to 0.02");

@@ -40,12 +40,12 @@ impl EnvVisitor for Repeat {
             let actions = actions(seed);
             let mut observation = start(&mut env, seed);
             run(&mut env, &actions[..cut], &mut observation);
-            let state = env.state();
+            let state = env.snapshot().unwrap();
             run(&mut env, &actions[cut..], &mut observation);
-            env.restore(&state).unwrap();
+            env.return_to(&state).unwrap();
             let rest = run(&mut env, &actions[cut..], &mut observation);
             assert_eq!(first[cut..], rest, "{task} {seed}: restored at {cut}");
-            used.restore(&state).unwrap();
+            used.return_to(&state).unwrap();
             let rest = run(&mut used, &actions[cut..], &mut observation);
             assert_eq!(first[cut..], rest, "{task} {seed}: restored elsewhere at {cut}");
         }

@@ -80,9 +80,9 @@ fn fall<E: Simulated<1>>(stand: &mut Stand<E>, start: Position, inwards: Vector3
     stand.go_to(at_height(start, 0.62), 0.0);
     stand.go_to(start, 0.0);
     stand.repeat(3, [0.0; 4]);
-    let state = (stand.env.state(), stand.scene);
+    let state = (stand.env.snapshot().unwrap(), stand.scene);
     for push in [0.0, 0.1, 1.0] {
-        stand.env.restore(&state.0).unwrap();
+        stand.env.return_to(&state.0).unwrap();
         stand.scene = state.1;
         let push = inwards * push;
         for _ in 0..25 {

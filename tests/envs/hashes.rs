@@ -10,19 +10,19 @@ use std::fmt::Write as _;
 /// Of the episode with seed 1 and random actions. A change that moves one of these numbers changes
 /// what was learned and measured before: say so in the change log.
 const HASHES: &[(Task, u64)] = &[
-    (Task::Reach, 0x6436_fffa_684f_2ac8),
-    (Task::Push, 0x0f28_8f85_6556_4296),
-    (Task::Pick, 0xdd1a_c71f_2638_d257),
-    (Task::Slide, 0x9ca2_863a_1ce6_0474),
-    (Task::Insert, 0x700c_7359_fb9f_5ca2),
-    (Task::ObstaclePush, 0x162a_682a_8cb5_1d96),
-    (Task::CuePush, 0xa93a_30f7_2036_5f68),
-    (Task::DPush, 0x961b_404b_843f_21e9),
-    (Task::Stack, 0xbed2_fa58_e79d_9fc3),
-    (Task::TPush, 0x0de5_6f06_48f9_19a2),
-    (Task::TStack, 0x565c_4258_c0e6_8bad),
-    (Task::Drawer, 0xe1c9_565b_54aa_8120),
-    (Task::DrawerBox, 0xe3c1_a153_645d_b734),
+    (Task::REACH, 0x6436_fffa_684f_2ac8),
+    (Task::PUSH, 0x0f28_8f85_6556_4296),
+    (Task::PICK, 0xdd1a_c71f_2638_d257),
+    (Task::SLIDE, 0x9ca2_863a_1ce6_0474),
+    (Task::INSERT, 0x700c_7359_fb9f_5ca2),
+    (Task::OBSTACLE_PUSH, 0x162a_682a_8cb5_1d96),
+    (Task::CUE_PUSH, 0xa93a_30f7_2036_5f68),
+    (Task::DPUSH, 0x961b_404b_843f_21e9),
+    (Task::STACK, 0xbed2_fa58_e79d_9fc3),
+    (Task::TPUSH, 0x0de5_6f06_48f9_19a2),
+    (Task::TSTACK, 0x565c_4258_c0e6_8bad),
+    (Task::DRAWER, 0xe1c9_565b_54aa_8120),
+    (Task::DRAWER_BOX, 0xe3c1_a153_645d_b734),
 ];
 
 #[test]

@@ -95,5 +95,5 @@ fn a_block_turns_the_other_way_in_the_mirror() {
     SignedIndex::apply(&mirror.observation, &here, &mut expected);
     assert!(here[13] > 0.1, "yaw {}", here[13]);
     // Contacts are solved one after the other, and their order has no mirror image.
-    assert_near(Task::Push, &there, &expected, 0.05);
+    assert_near(Task::PUSH, &there, &expected, 0.05);
 }

@@ -82,10 +82,10 @@ impl EnvVisitor for Traded {
 #[test]
 fn what_a_small_task_has_a_larger_one_has_too() {
     let chains = [
-        [Task::Push, Task::DPush],
-        [Task::DPush, Task::TPush],
-        [Task::Pick, Task::Stack],
-        [Task::Stack, Task::TStack],
+        [Task::PUSH, Task::DPUSH],
+        [Task::DPUSH, Task::TPUSH],
+        [Task::PICK, Task::STACK],
+        [Task::STACK, Task::TSTACK],
     ];
     for [small, large] in chains {
         let [small_names, large_names] = [small, large].map(names);
@@ -96,7 +96,7 @@ fn what_a_small_task_has_a_larger_one_has_too() {
             .filter(|name| !large_names.observation.contains(name))
             .collect();
         // A tower's observation does not have what is between its blocks.
-        let between = large == Task::TStack;
+        let between = large == Task::TSTACK;
         let expected: Vec<String> =
             ["x", "y", "z"].map(|axis| format!("block1.from_block2.{axis}")).into();
         assert_eq!(missing, expected.iter().filter(|_| between).collect::<Vec<_>>(), "{large}");
@@ -107,32 +107,33 @@ fn what_a_small_task_has_a_larger_one_has_too() {
 fn what_is_not_the_same_has_another_name() {
     let object = |task: Task| names(task).objects[0].clone();
     let tasks = [
-        (Task::Push, "block1"),
-        (Task::Slide, "puck1"),
-        (Task::Reach, "target1"),
-        (Task::Insert, "hole1"),
-        (Task::Drawer, "handle1"),
-        (Task::CuePush, "cylinder1"),
+        (Task::PUSH, "block1"),
+        (Task::SLIDE, "puck1"),
+        (Task::REACH, "target1"),
+        (Task::INSERT, "hole1"),
+        (Task::DRAWER, "handle1"),
+        (Task::CUE_PUSH, "cylinder1"),
     ];
     for (task, name) in tasks {
         assert_eq!(object(task), name, "{task}");
     }
-    assert_eq!(names(Task::DrawerBox).objects, ["handle1", "block2"]);
+    assert_eq!(names(Task::DRAWER_BOX).objects, ["handle1", "block2"]);
 
     // A locked hand, a free one and a cue.
-    let hands = [Task::Push, Task::Pick, Task::CuePush].map(|task| names(task).action);
+    let hands = [Task::PUSH, Task::PICK, Task::CUE_PUSH].map(|task| names(task).action);
     assert!(hands[0] != hands[1] && hands[1] != hands[2] && hands[0] != hands[2]);
 
     // Numbers that are there twice.
-    let twice = names(Task::TPush).observation[64..].to_vec();
+    let twice = names(Task::TPUSH).observation[64..].to_vec();
     let expected = ["gripper.velocity.x", "gripper.velocity.y", "gripper.velocity.z"];
     let expected = expected.into_iter().chain(["finger1.velocity", "finger2.velocity"]);
     assert_eq!(twice, expected.map(|name| format!("{name}#2")).collect::<Vec<_>>());
 
     // Zeros in place of an obstacle that is not shown.
-    let mut options = Options::of(Task::ObstaclePush.options());
+    let mut options = Options::of(Task::OBSTACLE_PUSH.options());
     options.task.0.insert("observe_obstacle".to_owned(), OptionValue::Flag(false));
-    let [shown, hidden] = [names(Task::ObstaclePush), Task::ObstaclePush.names(&options).unwrap()];
+    let [shown, hidden] =
+        [names(Task::OBSTACLE_PUSH), Task::OBSTACLE_PUSH.names(&options).unwrap()];
     assert_eq!(shown.observation[25], "obstacle.from_gripper.x");
     assert!(!hidden.observation.contains(&shown.observation[25]));
 }

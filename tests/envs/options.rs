@@ -24,7 +24,7 @@ fn with(task: Task, randomize: Randomize) -> Options {
 
 #[test]
 fn the_obstacle_can_be_hidden() {
-    let mut options = Options::of(Task::ObstaclePush.options());
+    let mut options = Options::of(Task::OBSTACLE_PUSH.options());
     let shown = Simulation::<ObstaclePush, 1>::with(&options).unwrap();
     options.task.0.insert("observe_obstacle".to_owned(), OptionValue::Flag(false));
     let hidden = Simulation::<ObstaclePush, 1>::with(&options).unwrap();
@@ -44,7 +44,7 @@ fn what_does_not_fit_is_told() {
     let error = |name: &str, value| {
         let mut options = Options::of(&[]);
         options.task.0.insert(name.to_owned(), value);
-        options.check(Task::ObstaclePush.options()).unwrap_err().to_string()
+        options.check(Task::OBSTACLE_PUSH.options()).unwrap_err().to_string()
     };
     assert_eq!(error("noise", OptionValue::Count(1)), "there is no setting `task.noise`");
     assert_eq!(
@@ -59,21 +59,21 @@ fn what_does_not_fit_is_told() {
         Randomize { action_delay: [0, 6], ..Randomize::default() },
     ];
     for randomize in impossible {
-        assert!(with(Task::Push, randomize).check(&[]).is_err());
+        assert!(with(Task::PUSH, randomize).check(&[]).is_err());
     }
     let bad = Randomize { mass: [2.0, 1.0], ..Randomize::default() };
     assert_eq!(
-        with(Task::Push, bad).check(&[]).unwrap_err().to_string(),
+        with(Task::PUSH, bad).check(&[]).unwrap_err().to_string(),
         "`randomize.mass` is [2, 1], expected [low, high] with 0.2 ≤ low ≤ high ≤ 5"
     );
 }
 
 #[test]
 fn a_state_of_other_options_is_an_error() {
-    let options = with(Task::Push, Randomize { mass: [0.5, 2.0], ..Randomize::default() });
+    let options = with(Task::PUSH, Randomize { mass: [0.5, 2.0], ..Randomize::default() });
     let heavy = Simulation::<Push, 1>::with(&options).unwrap();
     let mut push = Simulation::<Push, 1>::new();
-    let error = push.restore(&heavy.state()).unwrap_err().to_string();
+    let error = push.return_to(&heavy.snapshot().unwrap()).unwrap_err().to_string();
     assert!(error.contains("mass: [0.5, 2.0]") && error.contains("mass: [1.0, 1.0]"), "{error}");
 }
 
@@ -119,7 +119,7 @@ impl EnvVisitor for Wild {
 #[test]
 fn mass_friction_and_size_make_a_difference() {
     let pushed = |randomize: Randomize| {
-        let mut push = Simulation::<Push, 1>::with(&with(Task::Push, randomize)).unwrap();
+        let mut push = Simulation::<Push, 1>::with(&with(Task::PUSH, randomize)).unwrap();
         let mut observation = vec![0.0; 25];
         let block = rher_core::goal::Position::new(1.45, 0.7491, 0.42489);
         push.arrange(rher_envs::Layout::new([block], [block]), &mut observation).unwrap();
@@ -142,7 +142,7 @@ fn mass_friction_and_size_make_a_difference() {
 #[test]
 fn late_actions_are_late() {
     let late = Randomize { action_delay: [2; 2], ..Randomize::default() };
-    let mut late = Simulation::<Push, 1>::with(&with(Task::Push, late)).unwrap();
+    let mut late = Simulation::<Push, 1>::with(&with(Task::PUSH, late)).unwrap();
     let mut push = Simulation::<Push, 1>::new();
     let mut observation = vec![0.0; 25];
     late.reset(1, &mut observation).unwrap();

@@ -102,8 +102,8 @@ fn a_block_at_rest_stays_where_it_is() {
 
 #[test]
 fn nothing_explodes_under_random_actions() {
-    let with_blocks = [Task::Push, Task::Pick, Task::DPush, Task::Stack, Task::TPush, Task::TStack];
-    for task in with_blocks.into_iter().chain([Task::Drawer, Task::DrawerBox]) {
+    let with_blocks = [Task::PUSH, Task::PICK, Task::DPUSH, Task::STACK, Task::TPUSH, Task::TSTACK];
+    for task in with_blocks.into_iter().chain([Task::DRAWER, Task::DRAWER_BOX]) {
         task.visit(CheckSpeeds(task));
     }
 }

@@ -152,7 +152,7 @@ impl EnvVisitor for PerSecond {
 #[test]
 #[cfg_attr(debug_assertions, ignore = "an unoptimised build says nothing about speed")]
 fn two_hundred_pictures_take_less_than_a_second_of_one_core() {
-    for task in [Task::Push, Task::DrawerBox] {
+    for task in [Task::PUSH, Task::DRAWER_BOX] {
         let per_second = task.visit(PerSecond);
         println!("{task}: {per_second:.0} pictures of {WIDTH} by {HEIGHT} per second of one core");
         assert!(per_second > 200.0, "{task}: {per_second:.0} pictures per second");

@@ -27,7 +27,7 @@ impl EnvVisitor for Watch {
         let mut env = build();
         let Places { gripper, objects } = env.places();
         // The only goal of `reach` is a place in the air, which is not observed.
-        assert_eq!(objects.iter().all(Option::is_some), task != Task::Reach, "{task}");
+        assert_eq!(objects.iter().all(Option::is_some), task != Task::REACH, "{task}");
         let mut observation = vec![0.0; env.spec().obs_dim];
         let mut rng = ChaCha8Rng::seed_from_u64(0);
         for seed in 0..3 {

@@ -216,7 +216,7 @@ fn what_is_pushed_slides() {
                 stand.arrange([Position::new(0.87, 0.75, 0.42) + from]);
                 push(&mut stand, 0, way * speed, 0.14, [0.046, 0.425], &mut puck);
 
-                let clearly = seen_clearly(Task::CuePush);
+                let clearly = seen_clearly(Task::CUE_PUSH);
                 let mut stand = Stand::new(Simulation::<CuePush, 1>::with(&clearly).unwrap());
                 stand.arrange([Position::new(1.3, 0.75, 0.415) + from * 0.15]);
                 push(&mut stand, 0, way * speed, 0.03, [0.034, 0.41], &mut cylinder);

@@ -114,13 +114,13 @@ pub(crate) fn slide_where<E: Simulated<N>, const N: usize>(
     strokes: &[[f32; 2]],
     goes: impl Fn(Position, usize) -> bool,
 ) -> Tally {
-    let (state, scene) = (stand.env.state(), stand.scene);
+    let (state, scene) = (stand.env.snapshot().unwrap(), stand.scene);
     let mut tally = Tally { surface: surface.to_owned(), ..Tally::default() };
     let lines = track.lines().into_iter().filter(|([from, _], along)| goes(*from, *along));
     for ([from, to], along) in lines {
         let lifted = from + track.out * LIFT;
         for [speed, press] in strokes {
-            stand.env.restore(&state).unwrap();
+            stand.env.return_to(&state).unwrap();
             stand.scene = scene;
             stand.go_to(at_height(lifted, HIGH), CLOSE);
             stand.go_to(lifted, CLOSE);
@@ -139,7 +139,7 @@ pub(crate) fn slide_where<E: Simulated<N>, const N: usize>(
             }
         }
     }
-    stand.env.restore(&state).unwrap();
+    stand.env.return_to(&state).unwrap();
     stand.scene = scene;
     tally
 }

@@ -89,7 +89,7 @@ fn a_block_of_another_size_is_seen_so() {
 
 #[test]
 fn cylinders_stand_upright() {
-    let (things, _) = Task::Slide.visit(Look);
+    let (things, _) = Task::SLIDE.visit(Look);
     let puck = &named(&things, "puck").shapes[0];
     assert_eq!(puck.form, Form::Cylinder { radius: 0.025, height: 0.04 });
     assert!((puck.pose * Vector3::z()).z.abs() > 0.999);

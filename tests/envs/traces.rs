@@ -11,7 +11,7 @@ const PICK: &str = include_str!("../data/fetch_pick.csv");
 
 #[test]
 fn the_hand_moves_as_in_fetch() {
-    for (task, csv) in [(Task::Push, PUSH), (Task::Pick, PICK)] {
+    for (task, csv) in [(Task::PUSH, PUSH), (Task::PICK, PICK)] {
         let replays = task.visit(Replay(read(csv)));
         let errors = || replays.iter().flat_map(|replay| &replay.hand_errors);
         let rms = Vector3::from_fn(|axis, _| root_mean_square(errors().map(|e| e[axis])));
@@ -22,7 +22,7 @@ fn the_hand_moves_as_in_fetch() {
 #[test]
 fn from_rest_the_hand_moves_by_31_mm_and_then_by_33() {
     let recordings = read(REACH);
-    let replays = Task::Reach.visit(Replay(recordings));
+    let replays = Task::REACH.visit(Replay(recordings));
     // Episodes 0 to 5 go at full speed along one axis each.
     for replay in &replays[..6] {
         for error in &replay.hand_errors[..3] {
@@ -33,7 +33,7 @@ fn from_rest_the_hand_moves_by_31_mm_and_then_by_33() {
 
 #[test]
 fn blocks_move_as_in_fetch() {
-    for (task, csv, bar) in [(Task::Push, PUSH, 0.015), (Task::Pick, PICK, 0.015)] {
+    for (task, csv, bar) in [(Task::PUSH, PUSH, 0.015), (Task::PICK, PICK, 0.015)] {
         let replays = task.visit(Replay(read(csv)));
         let median = median(replays.iter().map(|replay| replay.block_error).collect());
         assert!(median < bar, "{task}: {median} m");
@@ -43,7 +43,7 @@ fn blocks_move_as_in_fetch() {
 /// The numbers of an observation mean what they mean there: units, frames, signs.
 #[test]
 fn observations_speak_the_language_of_fetch() {
-    for (task, csv) in [(Task::Push, PUSH), (Task::Pick, PICK)] {
+    for (task, csv) in [(Task::PUSH, PUSH), (Task::PICK, PICK)] {
         let mut recordings = read(csv);
         // Until a little after the block is touched: later its paths differ.
         for recording in &mut recordings {

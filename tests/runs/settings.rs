@@ -40,17 +40,17 @@ fn settings_of_every_preset_stay_as_they_are() {
 #[test]
 fn files_of_earlier_runs_are_read_and_written_as_they_were() {
     let stack = settings(
-        Task::Stack,
+        Task::STACK,
         Preset::Fast,
         &[("randomize.mass", "[0.5, 2]"), ("agent.hidden", "[64, 32]"), ("seed", "7")],
     );
     let obstacle = settings(
-        Task::ObstaclePush,
+        Task::OBSTACLE_PUSH,
         Preset::Fast,
         &[("randomize.mass", "[0.5, 2]"), ("task.observe_obstacle", "false")],
     );
     assert_eq!(obstacle.options.task.0["observe_obstacle"], OptionValue::Flag(false));
-    let drawer = settings(Task::DrawerBox, Preset::Fast, &[]);
+    let drawer = settings(Task::DRAWER_BOX, Preset::Fast, &[]);
     for (name, file, settings) in [
         ("data/stack.toml", include_str!("data/stack.toml"), stack),
         ("data/obstacle-push.toml", include_str!("data/obstacle-push.toml"), obstacle),

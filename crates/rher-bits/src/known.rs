@@ -6,28 +6,28 @@ use crate::part::Part;
 use rher_envs::Task;
 
 /// Tasks whose parts are measured: one object, two of the same kind, two of different kinds.
-pub const TASKS: [Task; 3] = [Task::Push, Task::DPush, Task::DrawerBox];
+pub const TASKS: [Task; 3] = [Task::PUSH, Task::DPUSH, Task::DRAWER_BOX];
 
 /// By task and part.
 const HASHES: &[(Task, Part, &str)] = &[
-    (Task::Push, Part::Physics, "290d3ed4d34b3cb8"),
-    (Task::Push, Part::Relabeling, "0b825063a836088d"),
-    (Task::Push, Part::Acting, "22a74072cc4d0904"),
-    (Task::Push, Part::Update, "343d029e8570ef93"),
-    (Task::Push, Part::UpdateBf16, "a5fc871163d944c0"),
-    (Task::Push, Part::Run, "1d054067c50d397c"),
-    (Task::DPush, Part::Physics, "65c29552c6f270bc"),
-    (Task::DPush, Part::Relabeling, "25e2efae09462da1"),
-    (Task::DPush, Part::Acting, "bec254d35d51fead"),
-    (Task::DPush, Part::Update, "df8b15fe1573dff8"),
-    (Task::DPush, Part::UpdateBf16, "0286a770e3ad517b"),
-    (Task::DPush, Part::Run, "9cc701f54e11ba60"),
-    (Task::DrawerBox, Part::Physics, "9a4956bbb02c12d3"),
-    (Task::DrawerBox, Part::Relabeling, "6ca7f9803173e20f"),
-    (Task::DrawerBox, Part::Acting, "0574bcd4566f137d"),
-    (Task::DrawerBox, Part::Update, "698af37de18b1b92"),
-    (Task::DrawerBox, Part::UpdateBf16, "031f8337100d657c"),
-    (Task::DrawerBox, Part::Run, "8d5025e70609fa82"),
+    (Task::PUSH, Part::Physics, "290d3ed4d34b3cb8"),
+    (Task::PUSH, Part::Relabeling, "0b825063a836088d"),
+    (Task::PUSH, Part::Acting, "22a74072cc4d0904"),
+    (Task::PUSH, Part::Update, "343d029e8570ef93"),
+    (Task::PUSH, Part::UpdateBf16, "a5fc871163d944c0"),
+    (Task::PUSH, Part::Run, "1d054067c50d397c"),
+    (Task::DPUSH, Part::Physics, "65c29552c6f270bc"),
+    (Task::DPUSH, Part::Relabeling, "25e2efae09462da1"),
+    (Task::DPUSH, Part::Acting, "bec254d35d51fead"),
+    (Task::DPUSH, Part::Update, "df8b15fe1573dff8"),
+    (Task::DPUSH, Part::UpdateBf16, "0286a770e3ad517b"),
+    (Task::DPUSH, Part::Run, "9cc701f54e11ba60"),
+    (Task::DRAWER_BOX, Part::Physics, "9a4956bbb02c12d3"),
+    (Task::DRAWER_BOX, Part::Relabeling, "6ca7f9803173e20f"),
+    (Task::DRAWER_BOX, Part::Acting, "0574bcd4566f137d"),
+    (Task::DRAWER_BOX, Part::Update, "698af37de18b1b92"),
+    (Task::DRAWER_BOX, Part::UpdateBf16, "031f8337100d657c"),
+    (Task::DRAWER_BOX, Part::Run, "8d5025e70609fa82"),
 ];
 
 /// By task: the tensors in `policy.safetensors` and `metrics.jsonl` without wall clocks after
@@ -36,9 +36,9 @@ const HASHES: &[(Task, Part, &str)] = &[
 ///
 /// These runs have the networks of the preset; plain loops would take minutes.
 pub const PRESET_RUNS: [(Task, &str, &str); 3] = [
-    (Task::Push, "bfe75469cc4698be", "4fbd918883104249"),
-    (Task::DPush, "c0c754e9b741466e", "b35814ec1d1e6d03"),
-    (Task::DrawerBox, "8929a777dcd34e03", "93fc0f4044b670bb"),
+    (Task::PUSH, "bfe75469cc4698be", "4fbd918883104249"),
+    (Task::DPUSH, "c0c754e9b741466e", "b35814ec1d1e6d03"),
+    (Task::DRAWER_BOX, "8929a777dcd34e03", "93fc0f4044b670bb"),
 ];
 
 /// The hash of a part; `None` for a task that is not one of [`TASKS`].

@@ -6,8 +6,8 @@
 //! ```
 //! use rher_bits::{Part, Task, known, measure};
 //!
-//! let hash = measure(Task::Push, Part::Physics)?;
-//! assert_eq!(hash, known::hash(Task::Push, Part::Physics).expect("push is one of the tasks"));
+//! let hash = measure(Task::PUSH, Part::Physics)?;
+//! assert_eq!(hash, known::hash(Task::PUSH, Part::Physics).expect("push is one of the tasks"));
 //! # Ok::<(), rher_bits::MeasureError>(())
 //! ```
 //!

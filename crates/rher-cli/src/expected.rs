@@ -6,18 +6,18 @@ use rher_envs::Task;
 /// Steps after which the published runs with the preset `fast` were solved (`docs/results.md`), in
 /// increasing order; `slide` was not trained to 95 %.
 const SOLVED_AFTER: [(Task, &[u64]); 12] = [
-    (Task::Reach, &[1_000]),
-    (Task::Push, &[10_000, 10_000, 10_000, 12_500, 12_500]),
-    (Task::Pick, &[12_500, 12_500, 12_500, 15_000, 20_000]),
-    (Task::Insert, &[12_500]),
-    (Task::ObstaclePush, &[37_500]),
-    (Task::Drawer, &[5_000]),
-    (Task::CuePush, &[3_000]),
-    (Task::DPush, &[33_000, 33_000, 51_000]),
-    (Task::Stack, &[51_000, 57_000, 57_000]),
-    (Task::DrawerBox, &[102_000, 168_000]),
-    (Task::TPush, &[147_000, 224_000]),
-    (Task::TStack, &[280_000]),
+    (Task::REACH, &[1_000]),
+    (Task::PUSH, &[10_000, 10_000, 10_000, 12_500, 12_500]),
+    (Task::PICK, &[12_500, 12_500, 12_500, 15_000, 20_000]),
+    (Task::INSERT, &[12_500]),
+    (Task::OBSTACLE_PUSH, &[37_500]),
+    (Task::DRAWER, &[5_000]),
+    (Task::CUE_PUSH, &[3_000]),
+    (Task::DPUSH, &[33_000, 33_000, 51_000]),
+    (Task::STACK, &[51_000, 57_000, 57_000]),
+    (Task::DRAWER_BOX, &[102_000, 168_000]),
+    (Task::TPUSH, &[147_000, 224_000]),
+    (Task::TSTACK, &[280_000]),
 ];
 
 /// Steps after which such runs were solved; `None` where nobody knows.

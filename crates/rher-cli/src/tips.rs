@@ -45,7 +45,7 @@ pub(crate) fn add(error: &mut clap::Error) {
             let Some(ContextValue::Strings(missing)) = error.get(ContextKind::InvalidArg) else {
                 return;
             };
-            let names: Vec<&str> = Task::ALL.iter().map(|task| task.name()).collect();
+            let names: Vec<&str> = Task::all().into_iter().map(Task::name).collect();
             let is_task = |argument: &String| argument.contains("TASK");
             missing.iter().any(is_task).then(|| format!("the tasks are {}", names.join(", ")))
         }

@@ -201,7 +201,7 @@ struct TaskName;
 
 impl TaskName {
     fn names() -> PossibleValuesParser {
-        PossibleValuesParser::new(Task::ALL.iter().map(|task| task.name()))
+        PossibleValuesParser::new(Task::all().into_iter().map(Task::name))
     }
 }
 
@@ -222,7 +222,7 @@ impl TypedValueParser for TaskName {
     }
 
     fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
-        Some(Box::new(Task::ALL.iter().map(|task| PossibleValue::new(task.name()))))
+        Some(Box::new(Task::all().into_iter().map(|task| PossibleValue::new(task.name()))))
     }
 }
 
@@ -230,13 +230,15 @@ impl TypedValueParser for TaskName {
 fn task_of_gymnasium(id: &str) -> Option<Task> {
     let (name, version) = id.rsplit_once("-v")?;
     version.parse::<u32>().ok()?;
-    let ours =
-        |task: &Task| task.gymnasium_id().rsplit_once("-v").is_some_and(|(of, _)| of == name);
+    let ours = |task: &Task| {
+        let id = task.gymnasium_id().and_then(|id| id.rsplit_once("-v"));
+        id.is_some_and(|(of, _)| of == name)
+    };
     match name {
-        "FetchReach" => Some(Task::Reach),
-        "FetchPush" => Some(Task::Push),
-        "FetchSlide" => Some(Task::Slide),
-        "FetchPickAndPlace" => Some(Task::Pick),
+        "FetchReach" => Some(Task::REACH),
+        "FetchPush" => Some(Task::PUSH),
+        "FetchSlide" => Some(Task::SLIDE),
+        "FetchPickAndPlace" => Some(Task::PICK),
         _ => Task::ALL.iter().copied().find(ours),
     }
 }
@@ -358,9 +360,9 @@ mod tests {
     #[test]
     fn environments_of_gymnasium_are_tasks() {
         for task in Task::ALL {
-            assert_eq!(task_of_gymnasium(&task.gymnasium_id()), Some(*task));
+            assert_eq!(task.gymnasium_id().and_then(task_of_gymnasium), Some(*task));
         }
-        assert_eq!(task_of_gymnasium("FetchPickAndPlace-v4"), Some(Task::Pick));
+        assert_eq!(task_of_gymnasium("FetchPickAndPlace-v4"), Some(Task::PICK));
         for other in ["push", "rher/Push", "FetchPush-vx", "rher/Pull-v0"] {
             assert_eq!(task_of_gymnasium(other), None);
         }

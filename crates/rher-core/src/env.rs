@@ -271,3 +271,29 @@ pub trait Env<const N: usize>: Send {
         Ok(None)
     }
 }
+
+impl<E: Env<N> + ?Sized, const N: usize> Env<N> for Box<E> {
+    fn spec(&self) -> &EnvSpec<N> {
+        (**self).spec()
+    }
+
+    fn reset(&mut self, seed: u64, observation: &mut [f32]) -> Result<Start<N>, EnvError> {
+        (**self).reset(seed, observation)
+    }
+
+    fn step(&mut self, action: &[f32], observation: &mut [f32]) -> Result<Achieved<N>, EnvError> {
+        (**self).step(action, observation)
+    }
+
+    fn truth(&mut self) -> Option<Achieved<N>> {
+        (**self).truth()
+    }
+
+    fn reset_to(
+        &mut self,
+        start: &Start<N>,
+        observation: &mut [f32],
+    ) -> Result<Option<Start<N>>, EnvError> {
+        (**self).reset_to(start, observation)
+    }
+}

@@ -19,7 +19,7 @@ impl EnvVisitor for Things {
 
 fn pictures(criterion: &mut Criterion) {
     let size = [320, 240].map(|pixels| NonZeroU16::new(pixels).expect("not 0"));
-    for task in [Task::Reach, Task::Push, Task::DrawerBox] {
+    for task in [Task::REACH, Task::PUSH, Task::DRAWER_BOX] {
         let things = task.visit(Things);
         let camera = Camera::above_table(&things);
         let mut renderer = Renderer::new(size);

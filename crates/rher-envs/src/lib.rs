@@ -42,5 +42,7 @@ pub use sim::{
     Body, DETECTIONS_AND_SOLVER_SUBSTEPS as SUBSTEPS, Fingers, Grip, Motion, RAPIER_VERSION,
     STEP_SECONDS, Scenery, World,
 };
-pub use simulation::{ACTION_WIDTH, Layout, OtherOptions, Scenario, Simulated, Simulation, State};
-pub use task::{EnvVisitor, Task, UnknownTask};
+pub use simulation::{
+    ACTION_WIDTH, Layout, Scenario, Simulated, Simulation, Snapshot, SnapshotError,
+};
+pub use task::{EnvVisitor, ObjectCount, Task, TaskNameError, TaskObjects, UnknownTask};

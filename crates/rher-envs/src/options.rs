@@ -6,6 +6,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 use std::collections::BTreeMap;
 use std::fmt;
 use std::str::FromStr;
+use std::sync::LazyLock;
 
 /// Settings of the environments of a task.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -22,6 +23,12 @@ impl Options {
     #[must_use]
     pub fn of(known: &[TaskOption]) -> Self {
         Self { task: TaskOptions::defaults(known), randomize: Randomize::default() }
+    }
+
+    /// Those of an environment that has none.
+    pub fn none() -> &'static Self {
+        static NONE: LazyLock<Options> = LazyLock::new(Options::default);
+        &NONE
     }
 
     /// Checks every name, type and range, and fills in the defaults of a task with these `known`
@@ -277,6 +284,21 @@ macro_rules! randomize {
                     bounds: [$least as f32, $most as f32],
                 },)+
             ];
+
+            /// Checks that nothing is randomized, for an environment that cannot.
+            pub(crate) fn check_unset(&self) -> Result<(), OptionError> {
+                $(if self.$field != [$none; 2] {
+                    return Err(OptionError::OutOfRange {
+                        key: concat!("randomize.", stringify!($field)).to_owned(),
+                        value: format!("{:?}", self.$field),
+                        expected: format!(
+                            "{:?}: environments of this task randomize nothing",
+                            [$none as $number; 2],
+                        ),
+                    });
+                })+
+                Ok(())
+            }
 
             fn check(&self) -> Result<(), OptionError> {
                 let ranges = [$(self.$field.map(|bound| bound as f32)),+];

@@ -9,6 +9,7 @@ use rand_chacha::ChaCha8Rng;
 use rher_core::Names;
 use rher_core::env::{Env, EnvError, EnvSpec, Mirror, SignedIndex, Start};
 use rher_core::goal::{Achieved, Desired, Position, Scene, Tolerances};
+use std::any::Any;
 use std::iter;
 use std::marker::PhantomData;
 
@@ -107,35 +108,48 @@ impl<const N: usize> Layout<N> {
     }
 }
 
-/// An environment whose whole state can be chosen, kept and returned to.
+/// An environment that can be seen, and whose state can be chosen, kept and returned to.
+///
+/// What it has no answer to, an environment that is no [`Simulation`] leaves out: it cannot be drawn
+/// then, or not be saved in mid-episode.
 pub trait Simulated<const N: usize>: Env<N> + 'static {
-    /// Everything that an episode's future depends on, besides its actions.
-    type State: Clone + Send + 'static;
-
     /// Starts an episode from a chosen layout and writes its first observation.
     ///
     /// What is randomized is that of seed 0.
-    fn arrange(&mut self, layout: Layout<N>, observation: &mut [f32])
-    -> Result<Start<N>, EnvError>;
+    fn arrange(
+        &mut self,
+        _layout: Layout<N>,
+        _observation: &mut [f32],
+    ) -> Result<Start<N>, EnvError> {
+        let name = &self.spec().name;
+        Err(EnvError::new(format!("the environment `{name}` cannot start from a chosen layout")))
+    }
 
-    /// The state now.
-    fn state(&self) -> Self::State;
+    /// Everything that an episode's future depends on, besides its actions.
+    fn snapshot(&self) -> Option<Snapshot> {
+        None
+    }
 
-    /// Goes on from a state, bitwise as the environment did that it was taken from.
-    ///
-    /// States of other tasks are other types; one of an environment with other options is an
-    /// error.
-    fn restore(&mut self, state: &Self::State) -> Result<(), OtherOptions>;
+    /// Goes on from a snapshot, bitwise as the environment did that it was taken from.
+    fn return_to(&mut self, _snapshot: &Snapshot) -> Result<(), SnapshotError> {
+        Err(SnapshotError::OtherTask)
+    }
 
     /// What was set when it was made.
-    fn options(&self) -> &Options;
+    fn options(&self) -> &Options {
+        Options::none()
+    }
 
     /// Where in an observation the gripper's and the objects' positions are.
-    fn places(&self) -> Places<N>;
+    fn places(&self) -> Places<N> {
+        Places::unknown()
+    }
 
     /// Everything that can be seen but the floor at height 0, where it really is, whatever sensors
     /// tell.
-    fn things(&self) -> Vec<Thing>;
+    fn things(&self) -> Vec<Thing> {
+        Vec::new()
+    }
 
     /// Marks of where the objects should go, the first object's first, named `goal_1` and so on.
     fn goals(&self, desired: &Desired<N>) -> Vec<Thing> {
@@ -143,6 +157,71 @@ pub trait Simulated<const N: usize>: Env<N> + 'static {
         let goals = desired.objects().iter().zip(tolerances).enumerate();
         goals.map(|(index, (place, tolerance))| Thing::goal(index, *place, tolerance)).collect()
     }
+}
+
+impl<const N: usize> Simulated<N> for Box<dyn Simulated<N>> {
+    fn arrange(
+        &mut self,
+        layout: Layout<N>,
+        observation: &mut [f32],
+    ) -> Result<Start<N>, EnvError> {
+        (**self).arrange(layout, observation)
+    }
+
+    fn snapshot(&self) -> Option<Snapshot> {
+        (**self).snapshot()
+    }
+
+    fn return_to(&mut self, snapshot: &Snapshot) -> Result<(), SnapshotError> {
+        (**self).return_to(snapshot)
+    }
+
+    fn options(&self) -> &Options {
+        (**self).options()
+    }
+
+    fn places(&self) -> Places<N> {
+        (**self).places()
+    }
+
+    fn things(&self) -> Vec<Thing> {
+        (**self).things()
+    }
+
+    fn goals(&self, desired: &Desired<N>) -> Vec<Thing> {
+        (**self).goals(desired)
+    }
+}
+
+/// The state of an environment, whatever its task.
+pub struct Snapshot(Box<dyn Any + Send>);
+
+impl Snapshot {
+    /// Of what an environment knows itself by.
+    pub fn new(state: impl Send + 'static) -> Self {
+        Self(Box::new(state))
+    }
+
+    /// What it was made of, if that is a `T`.
+    pub fn get<T: 'static>(&self) -> Option<&T> {
+        self.0.downcast_ref()
+    }
+}
+
+/// An environment cannot return to a snapshot.
+#[derive(Debug, thiserror::Error)]
+pub enum SnapshotError {
+    /// It is of another task.
+    #[error("the snapshot is of an environment of another task")]
+    OtherTask,
+    /// It is of an environment that was made with other options.
+    #[error("the snapshot is of an environment with {found:?}, expected {expected:?}")]
+    OtherOptions {
+        /// Options of the environment.
+        expected: Box<Options>,
+        /// Options of the snapshot.
+        found: Box<Options>,
+    },
 }
 
 /// A [`Scenario`] in a world of its own.
@@ -155,22 +234,11 @@ pub struct Simulation<S, const N: usize> {
 }
 
 /// The state of a [`Simulation`]; that of another scenario is another type.
-pub struct State<S, const N: usize> {
+struct State<S, const N: usize> {
     world: sim::State,
     layout: Layout<N>,
     options: Options,
     scenario: PhantomData<fn() -> S>,
-}
-
-impl<S, const N: usize> Clone for State<S, N> {
-    fn clone(&self) -> Self {
-        Self {
-            world: self.world.clone(),
-            layout: self.layout,
-            options: self.options.clone(),
-            scenario: PhantomData,
-        }
-    }
 }
 
 impl<S: Scenario<N>, const N: usize> Simulation<S, N> {
@@ -320,14 +388,35 @@ impl<S: Scenario<N>, const N: usize> Env<N> for Simulation<S, N> {
 }
 
 impl<S: Scenario<N>, const N: usize> Simulated<N> for Simulation<S, N> {
-    type State = State<S, N>;
-
     fn arrange(
         &mut self,
         layout: Layout<N>,
         observation: &mut [f32],
     ) -> Result<Start<N>, EnvError> {
         self.start(layout, ChaCha8Rng::seed_from_u64(0), observation)
+    }
+
+    fn snapshot(&self) -> Option<Snapshot> {
+        Some(Snapshot::new(State::<S, N> {
+            world: self.world.state().clone(),
+            layout: self.layout,
+            options: self.options.clone(),
+            scenario: PhantomData,
+        }))
+    }
+
+    fn return_to(&mut self, snapshot: &Snapshot) -> Result<(), SnapshotError> {
+        let state: &State<S, N> = snapshot.get().ok_or(SnapshotError::OtherTask)?;
+        if state.options != self.options {
+            let (expected, found) = (self.options.clone(), state.options.clone());
+            return Err(SnapshotError::OtherOptions {
+                expected: Box::new(expected),
+                found: Box::new(found),
+            });
+        }
+        self.world.restore(&state.world);
+        self.layout = state.layout;
+        Ok(())
     }
 
     fn options(&self) -> &Options {
@@ -343,35 +432,6 @@ impl<S: Scenario<N>, const N: usize> Simulated<N> for Simulation<S, N> {
     fn things(&self) -> Vec<Thing> {
         self.world.things()
     }
-
-    fn state(&self) -> State<S, N> {
-        State {
-            world: self.world.state().clone(),
-            layout: self.layout,
-            options: self.options.clone(),
-            scenario: PhantomData,
-        }
-    }
-
-    fn restore(&mut self, state: &State<S, N>) -> Result<(), OtherOptions> {
-        if state.options != self.options {
-            let (expected, found) = (self.options.clone(), state.options.clone());
-            return Err(OtherOptions { expected: Box::new(expected), found: Box::new(found) });
-        }
-        self.world.restore(&state.world);
-        self.layout = state.layout;
-        Ok(())
-    }
-}
-
-/// A state was taken from an environment that was made with other options.
-#[derive(Debug, thiserror::Error)]
-#[error("the state is of an environment with {found:?}, expected {expected:?}")]
-pub struct OtherOptions {
-    /// Options of the environment.
-    pub expected: Box<Options>,
-    /// Options of the state.
-    pub found: Box<Options>,
 }
 
 /// An action or a buffer does not fit.

@@ -7,7 +7,6 @@ use rher_envs::thing::Thing;
 use rher_envs::{
     EnvVisitor, OptionError, Options, Simulated, Task, achieved_goal, reward_of_goals,
 };
-use std::any::Any;
 
 /// What an environment shows, in Gymnasium's terms.
 #[derive(Clone)]
@@ -36,7 +35,13 @@ pub(crate) struct Widths {
 }
 
 /// What an environment can return to.
-pub(crate) type Snapshot = Box<dyn Any + Send>;
+pub(crate) struct Snapshot {
+    /// Of the simulation; none of one that cannot be kept.
+    env: Option<rher_envs::Snapshot>,
+    /// Where the objects should go, `[3 N]`.
+    desired: Vec<f32>,
+    frame: Frame,
+}
 
 /// An environment, whatever its task.
 pub(crate) trait AnyEnv: Send {
@@ -53,7 +58,7 @@ pub(crate) trait AnyEnv: Send {
 
     fn snapshot(&self) -> Snapshot;
 
-    /// Returns to a snapshot; false if it is of an environment of another type.
+    /// Returns to a snapshot; false if it is of an environment of another task or with other options.
     fn restore(&mut self, snapshot: &Snapshot) -> bool;
 
     /// Everything that can be seen, marks for the goals last, and how many of them are marks.
@@ -143,18 +148,15 @@ impl<E: Simulated<N>, const N: usize> AnyEnv for Shown<E, N> {
     }
 
     fn snapshot(&self) -> Snapshot {
-        Box::new((self.env.state(), self.desired, self.frame.clone()))
+        let desired = self.desired.objects().iter().flat_map(|place| [place.x, place.y, place.z]);
+        Snapshot { env: self.env.snapshot(), desired: desired.collect(), frame: self.frame.clone() }
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> bool {
-        let Some((state, desired, frame)) =
-            snapshot.downcast_ref::<(E::State, Desired<N>, Frame)>()
-        else {
-            return false;
-        };
-        let restored = self.env.restore(state).is_ok();
+        let Snapshot { env, desired, frame } = snapshot;
+        let restored = env.as_ref().is_some_and(|state| self.env.return_to(state).is_ok());
         if restored {
-            self.desired = *desired;
+            self.desired = Desired::of_task(read(desired));
             self.frame.clone_from(frame);
         }
         restored

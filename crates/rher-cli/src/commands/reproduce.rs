@@ -88,7 +88,7 @@ impl Experiment {
                     .into_iter()
                     .flat_map(|train| ["final", "guide", "mix"].map(|test| (train, test)))
                     .map(|(train, test)| {
-                        Case::new(format!("train={train} test={test}"), Task::Push, 150_000)
+                        Case::new(format!("train={train} test={test}"), Task::PUSH, 150_000)
                             .set("exploration.train_policy", train)
                             .set("exploration.test_policy", test)
                     })
@@ -98,7 +98,7 @@ impl Experiment {
                 claim: "d = 0.03 and 0.05 are best, 0.12 is worse, 0 hinders the second sub-task",
                 cases: [0.0, 0.03, 0.05, 0.12]
                     .map(|d| {
-                        Case::new(format!("d={d}"), Task::Push, 150_000)
+                        Case::new(format!("d={d}"), Task::PUSH, 150_000)
                             .set("relay.reach_distance", d)
                     })
                     .into(),
@@ -108,7 +108,7 @@ impl Experiment {
                         0.8, where the learner never acts before the object is reached, fails",
                 cases: [0.0, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8]
                     .map(|alpha| {
-                        Case::new(format!("alpha={alpha}"), Task::Push, 150_000)
+                        Case::new(format!("alpha={alpha}"), Task::PUSH, 150_000)
                             .set("exploration.guide", alpha)
                     })
                     .into(),
@@ -118,7 +118,7 @@ impl Experiment {
                 cases: [1, 19]
                     .map(|envs| Case {
                         envs: Some(envs),
-                        ..Case::new(format!("envs={envs}"), Task::Push, 500_000)
+                        ..Case::new(format!("envs={envs}"), Task::PUSH, 500_000)
                     })
                     .into(),
             },
@@ -126,10 +126,10 @@ impl Experiment {
                 claim: "plain hindsight needs 1,345,000 steps on push and 1,885,000 on pick where \
                         the relay needs 65,000 and 243,000; its seeds differ much on the other \
                         tasks with one object, and it fails with two",
-                cases: [Task::Push, Task::Pick, Task::Drawer, Task::Insert, Task::ObstaclePush]
+                cases: [Task::PUSH, Task::PICK, Task::DRAWER, Task::INSERT, Task::OBSTACLE_PUSH]
                     .into_iter()
                     .flat_map(|task| [(task, 80), (task, 40)])
-                    .chain([(Task::DPush, 40)])
+                    .chain([(Task::DPUSH, 40)])
                     .map(|(task, updates)| {
                         let label = format!("{} updates={updates}", task.name());
                         Case { method: Method::Her, ..Case::new(label, task, 250_000) }
@@ -141,14 +141,14 @@ impl Experiment {
                 claim: "reaching the object is learned at once and never lost",
                 cases: vec![Case {
                     until: 0.0,
-                    ..Case::new("push to the end".to_owned(), Task::Push, 200_000)
+                    ..Case::new("push to the end".to_owned(), Task::PUSH, 200_000)
                 }],
             },
             ExperimentName::Table2 => Self {
                 claim: "Table II: 95 % on push after 78,000 steps (HER 580,000 and ACDER 110,000, \
                         both as in ACDER's paper; IHER 80,000, as in its own), on pick after \
                         250,000 (1,680,000, 260,000, 300,000)",
-                cases: [Task::Push, Task::Pick]
+                cases: [Task::PUSH, Task::PICK]
                     .map(|task| Case::new(task.name().to_owned(), task, 300_000))
                     .into(),
             },

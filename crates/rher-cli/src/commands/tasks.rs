@@ -55,7 +55,7 @@ impl EnvVisitor for Describe {
 }
 
 pub(crate) fn tasks(args: &TasksArgs, printer: Printer) -> anyhow::Result<()> {
-    let facts: Vec<TaskFacts> = Task::ALL.iter().map(|task| task.visit(Describe)).collect();
+    let facts: Vec<TaskFacts> = Task::all().into_iter().map(|task| task.visit(Describe)).collect();
     if args.json {
         printer.data(&serde_json::to_string_pretty(&facts)?)?;
         return Ok(());

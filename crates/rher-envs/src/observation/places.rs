@@ -13,6 +13,13 @@ pub struct Places<const N: usize> {
     pub objects: [Option<usize>; N],
 }
 
+impl<const N: usize> Places<N> {
+    /// Of an observation that has none, or of which it is not known.
+    pub const fn unknown() -> Self {
+        Self { gripper: None, objects: [None; N] }
+    }
+}
+
 /// A [`Sink`] that learns where positions are.
 pub(crate) struct Positions<const N: usize> {
     places: Places<N>,
@@ -21,7 +28,7 @@ pub(crate) struct Positions<const N: usize> {
 
 impl<const N: usize> Positions<N> {
     pub(crate) fn new() -> Self {
-        Self { places: Places { gripper: None, objects: [None; N] }, width: 0 }
+        Self { places: Places::unknown(), width: 0 }
     }
 
     /// Where they are.

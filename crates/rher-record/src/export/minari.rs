@@ -186,7 +186,7 @@ fn environment(info: &RecordingInfo, steps: usize) -> Option<Value> {
         }
     }
     Some(json!({
-        "id": task.gymnasium_id(),
+        "id": task.gymnasium_id()?,
         "entry_point": "rher.env:TaskEnv",
         "reward_threshold": null,
         "nondeterministic": false,

@@ -159,8 +159,8 @@ fn integer(key: &str, option: &'static str, number: u64) -> Result<Value, Settin
 /// A task that has an option with this dotted key.
 fn owner(key: &str) -> Option<Task> {
     let name = key.strip_prefix("task.")?;
-    let has_it = |task: &&Task| task.options().iter().any(|option| option.name == name);
-    Task::ALL.iter().find(has_it).copied()
+    let has_it = |task: &Task| task.options().iter().any(|option| option.name == name);
+    Task::all().into_iter().find(has_it)
 }
 
 /// The value of a dotted key.

@@ -68,7 +68,7 @@ pub(crate) fn bench_env(
         return Ok(());
     }
     let tasks = if args.tasks.is_empty() { Task::ALL } else { &args.tasks };
-    let stands_for_all = |task| task == Task::Push;
+    let stands_for_all = |task| task == Task::PUSH;
     let speeds = tasks
         .iter()
         .map(|&task| {

@@ -18,7 +18,7 @@ fn cell(task: Task, seed: u64) -> Cell {
 fn written(count: usize) -> (TempDir, Plan, Vec<u8>) {
     let folder = TempDir::new().unwrap();
     let path = folder.path().join("plan.jsonl");
-    let cells = [(Task::Reach, 1), (Task::Reach, 2), (Task::Push, 1), (Task::Push, 2)];
+    let cells = [(Task::REACH, 1), (Task::REACH, 2), (Task::PUSH, 1), (Task::PUSH, 2)];
     let cells = cells[..count].iter().map(|&(task, seed)| cell(task, seed)).collect();
     let plan = Plan::write(&path, cells).unwrap();
     let bytes = std::fs::read(&path).unwrap();
