@@ -14,6 +14,7 @@ mod learning;
 mod live;
 mod newcomers;
 mod options;
+mod own_task;
 mod plans;
 mod pretrained;
 mod python;

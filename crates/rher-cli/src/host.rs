@@ -26,26 +26,26 @@ pub(crate) fn threads(asked: Option<NonZeroUsize>) -> usize {
 
 /// How to start a process of this program.
 #[derive(Clone, Debug)]
-pub struct Program {
+pub(crate) struct Again {
     file: PathBuf,
     arguments: Vec<OsString>,
 }
 
-impl Program {
+impl Again {
     /// The file that is running; on Linux also if another one has taken its place.
-    pub fn this_file() -> Self {
+    pub(crate) fn this_file() -> Self {
         let file = if cfg!(target_os = "linux") {
             "/proc/self/exe".into()
         } else {
             // Without it the system looks for the program where it looks for all of them.
             std::env::current_exe().unwrap_or_else(|_| "rher".into())
         };
-        Self::interpreted(file, Vec::new())
+        Self::new(file, Vec::new())
     }
 
-    /// An interpreter, and the arguments that make it this program.
-    pub const fn interpreted(interpreter: PathBuf, arguments: Vec<OsString>) -> Self {
-        Self { file: interpreter, arguments }
+    /// A file, and the arguments that make it this program.
+    pub(crate) const fn new(file: PathBuf, arguments: Vec<OsString>) -> Self {
+        Self { file, arguments }
     }
 
     /// The program, still without arguments of its own.

@@ -3,7 +3,7 @@
 use crate::children::Children;
 use crate::errors::{ForeignTask, SameRun};
 use crate::exit_code::Status;
-use crate::host::Program;
+use crate::host::Again;
 use crate::numbers::{percent, thousands};
 use crate::printer::Printer;
 use crate::tables::{table, text};
@@ -68,8 +68,8 @@ impl Job {
     }
 
     /// The command that begins the run or resumes it, and what it reads.
-    fn command(&self, program: &Program) -> anyhow::Result<(Command, String)> {
-        let mut command = program.command();
+    fn command(&self, again: &Again) -> anyhow::Result<(Command, String)> {
+        let mut command = again.command();
         let parent = std::process::id().to_string();
         command.args(["train", "--quiet", "--workers", "1", "--parent", &parent]);
         let config = &self.settings.config;
@@ -163,7 +163,7 @@ impl Work<'_> {
     pub(crate) fn run(
         &self,
         json: bool,
-        program: &Program,
+        again: &Again,
         printer: Printer,
     ) -> anyhow::Result<Status> {
         let Self { jobs, plan, at_a_time } = *self;
@@ -186,7 +186,7 @@ impl Work<'_> {
             loop {
                 let index = next.fetch_add(1, Ordering::Relaxed);
                 let job = jobs.get(index)?;
-                let outcome = self.do_one(index, program, &children).unwrap_or_else(|error| {
+                let outcome = self.do_one(index, again, &children).unwrap_or_else(|error| {
                     printer.error(&error, None);
                     Outcome::Failed
                 });
@@ -245,17 +245,12 @@ impl Work<'_> {
     }
 
     /// Begins a run, resumes it, or finds it finished.
-    fn do_one(
-        &self,
-        index: usize,
-        program: &Program,
-        children: &Children,
-    ) -> anyhow::Result<Outcome> {
+    fn do_one(&self, index: usize, again: &Again, children: &Children) -> anyhow::Result<Outcome> {
         let job = &self.jobs[index];
         let (mut command, input) = match self.plan {
             Some(plan) if is_done(&job.folder, plan)? => return Ok(Outcome::Done),
-            Some(plan) => (cell_command(program, plan, index), String::new()),
-            None => job.command(program)?,
+            Some(plan) => (cell_command(again, plan, index), String::new()),
+            None => job.command(again)?,
         };
         let child = children.start(&mut command).context("cannot start a run")?;
         let Some(mut child) = child else { return Ok(Outcome::NotBegun) };
@@ -274,8 +269,8 @@ impl Work<'_> {
 }
 
 /// The command that trains a cell.
-fn cell_command(program: &Program, plan: &Plan, cell: usize) -> Command {
-    let mut command = program.command();
+fn cell_command(again: &Again, plan: &Plan, cell: usize) -> Command {
+    let mut command = again.command();
     command.args(["sweep", "--cell", &cell.to_string(), "--plan"]).arg(plan.path());
     command.args(["--parent", &std::process::id().to_string()]).stdin(Stdio::null());
     command

@@ -3,5 +3,5 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    rher_cli::main(&rher_cli::Program::this_file(), std::env::args_os()).into()
+    rher_cli::Program::new().main()
 }

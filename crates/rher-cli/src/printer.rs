@@ -3,6 +3,17 @@
 use std::borrow::Cow;
 use std::fmt::Display;
 use std::io::{self, Write as _};
+use std::sync::OnceLock;
+
+/// What this program is called, if not `rher`.
+static OTHER_NAME: OnceLock<String> = OnceLock::new();
+
+/// Lets every command that a text recommends begin with the name of this program.
+pub(crate) fn call_the_program(name: &str) {
+    if name != "rher" {
+        OTHER_NAME.get_or_init(|| name.to_owned());
+    }
+}
 
 /// How much is printed on stderr.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -73,7 +84,11 @@ pub(crate) struct StdoutError(#[source] pub(crate) io::Error);
 
 /// Prints to stderr; if that is closed, there is nowhere to say so.
 fn tell(text: impl Display) {
-    let _ = writeln!(io::stderr().lock(), "{}", printable(&text.to_string()));
+    let mut text = text.to_string();
+    if let Some(name) = OTHER_NAME.get() {
+        text = text.replace("`rher ", &format!("`{name} "));
+    }
+    let _ = writeln!(io::stderr().lock(), "{}", printable(&text));
 }
 
 /// Data without characters that command a terminal; lines of data have any length.

@@ -17,5 +17,5 @@ pub(crate) fn main(
     program: Vec<OsString>,
 ) -> u8 {
     let program = Program::interpreted(interpreter, program);
-    py.detach(|| rher_cli::main(&program, arguments))
+    py.detach(|| program.run(arguments))
 }

@@ -2,6 +2,7 @@
 
 mod config_file;
 mod difference;
+mod files;
 mod folder;
 mod listing;
 mod machine;
@@ -13,6 +14,7 @@ pub mod sweep;
 
 pub use config_file::{CONFIG_FILE, ConfigFile, ConfigFileError};
 pub use difference::{OtherSettings, difference};
+pub use files::{RunFiles, RunFilesError};
 pub use folder::{RunDir, RunDirError};
 pub use listing::{Listed, State, list};
 pub use machine::Machine;

@@ -20,18 +20,18 @@ mod train;
 
 use crate::cli::{BenchCommand, Command};
 use crate::exit_code::Status;
-use crate::host::Program;
+use crate::host::Again;
 use crate::printer::Printer;
 use rher_core::learner::simd::Simd;
 
 /// Does what `command` says.
-pub(crate) fn run(command: Command, program: &Program, printer: Printer) -> anyhow::Result<Status> {
+pub(crate) fn run(command: Command, again: &Again, printer: Printer) -> anyhow::Result<Status> {
     Simd::chosen()?;
     match command {
         Command::Tasks(args) => tasks::tasks(&args, printer)?,
         Command::Train(args) => return train::train(&args, printer),
-        Command::Sweep(args) => return sweep::sweep(&args, program, printer),
-        Command::Reproduce(args) => return reproduce::reproduce(&args, program, printer),
+        Command::Sweep(args) => return sweep::sweep(&args, again, printer),
+        Command::Reproduce(args) => return reproduce::reproduce(&args, again, printer),
         Command::Eval(args) => eval::eval(&args, printer)?,
         Command::Export(args) => return export::export(&args, printer),
         Command::Play(args) => return play::play(&args, printer),
@@ -42,7 +42,7 @@ pub(crate) fn run(command: Command, program: &Program, printer: Printer) -> anyh
         Command::Report(args) => report::report(&args, printer)?,
         Command::Config(args) => config::config(&args, printer)?,
         Command::Doctor(args) => doctor::doctor(&args, printer)?,
-        Command::Bench(BenchCommand::Env(args)) => bench::env::bench_env(&args, program, printer)?,
+        Command::Bench(BenchCommand::Env(args)) => bench::env::bench_env(&args, again, printer)?,
         Command::Bench(BenchCommand::Update(args)) => bench::update::bench_update(&args, printer)?,
     }
     Ok(Status::Success)

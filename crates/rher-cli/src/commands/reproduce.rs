@@ -2,7 +2,8 @@
 
 use crate::cli::{ReproduceArgs, SettingsArgs};
 use crate::exit_code::Status;
-use crate::host::{Program, threads};
+use crate::host::Again;
+use crate::host::threads;
 use crate::jobs::{Job, Work};
 use crate::printer::Printer;
 use crate::values::{Assignment, ExperimentName};
@@ -13,7 +14,7 @@ use std::path::Path;
 
 pub(crate) fn reproduce(
     args: &ReproduceArgs,
-    program: &Program,
+    again: &Again,
     printer: Printer,
 ) -> anyhow::Result<Status> {
     let experiment = Experiment::of(args.experiment);
@@ -26,7 +27,7 @@ pub(crate) fn reproduce(
         |case: &Case| seeds.iter().map(|&seed| case.job(args, &out, seed)).collect::<Vec<_>>();
     let jobs = experiment.cases.iter().flat_map(of_seeds).collect::<anyhow::Result<Vec<_>>>()?;
     let work = Work { jobs: &jobs, plan: None, at_a_time: threads(args.runs.jobs) };
-    work.run(args.runs.json, program, printer)
+    work.run(args.runs.json, again, printer)
 }
 
 /// One experiment of the paper.

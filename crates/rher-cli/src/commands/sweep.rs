@@ -5,7 +5,8 @@ use super::status;
 use crate::cli::{SettingsArgs, SweepArgs};
 use crate::errors::{NoCellNumber, RepeatedKey};
 use crate::exit_code::Status;
-use crate::host::{Program, threads};
+use crate::host::Again;
+use crate::host::threads;
 use crate::jobs::{Job, Work, check_distinct};
 use crate::printer::Printer;
 use crate::values::Assignment;
@@ -14,11 +15,7 @@ use rher_runs::settings;
 use rher_runs::sweep::{Cell, Plan, from_plan};
 use std::path::{Path, PathBuf};
 
-pub(crate) fn sweep(
-    args: &SweepArgs,
-    program: &Program,
-    printer: Printer,
-) -> anyhow::Result<Status> {
+pub(crate) fn sweep(args: &SweepArgs, again: &Again, printer: Printer) -> anyhow::Result<Status> {
     let (at_a_time, json) = (threads(args.runs.jobs), args.runs.json);
     if let Some(plan) = &args.status {
         return status::status(&Plan::read(plan)?, json, printer);
@@ -28,7 +25,7 @@ pub(crate) fn sweep(
         let jobs = grid(args, &out)?;
         return match &args.plan {
             Some(plan) => write(plan, &jobs, printer),
-            None => Work { jobs: &jobs, plan: None, at_a_time }.run(json, program, printer),
+            None => Work { jobs: &jobs, plan: None, at_a_time }.run(json, again, printer),
         };
     }
     let plan = args.plan.as_deref().expect("clap asks for a task, a plan or a status");
@@ -39,7 +36,7 @@ pub(crate) fn sweep(
     }
     let jobs = plan.cells().iter().map(|cell| Job::of_plan(&plan, cell));
     let jobs = jobs.collect::<anyhow::Result<Vec<_>>>()?;
-    Work { jobs: &jobs, plan: Some(&plan), at_a_time }.run(json, program, printer)
+    Work { jobs: &jobs, plan: Some(&plan), at_a_time }.run(json, again, printer)
 }
 
 fn default_folder(tasks: &[Task]) -> PathBuf {

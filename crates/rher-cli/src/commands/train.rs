@@ -20,7 +20,7 @@ use rher_envs::{EnvVisitor, Simulated, Task};
 use rher_record::{Live, Player};
 use rher_record::{RecordingFile, RecordingInfo, Source};
 use rher_runs::sweep::{Claim, Guard, Pulse};
-use rher_runs::{MetricsFile, RunDir, Settings, read_evaluations, read_pretrained, settings};
+use rher_runs::{RunDir, RunFiles, Settings, read_evaluations, read_pretrained, settings};
 use std::num::{NonZeroU64, NonZeroUsize};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -161,17 +161,14 @@ impl EnvVisitor for Session {
         let started = Instant::now();
         let How { workers, record_every, tensorboard, printer, max_wall, claim, .. } = how;
         let envs: Vec<E> = (0..config.envs.max(workers)).map(|_| build()).collect();
-        let made_with = envs[0].options().clone();
-        let (folder, mut trainer, metrics, latest) = match start {
+        let (folder, mut trainer) = match start {
             Start::New { path, pretrained } => {
                 let trainer = match pretrained {
                     Some(pretrained) => Trainer::new_from(&pretrained, config, envs, workers)?,
                     None => Trainer::new(config, envs, workers)?,
                 };
                 // Nothing is made for a run that cannot begin.
-                let folder = RunDir::create(&path)?;
-                let metrics = MetricsFile::create(&folder.metrics(), trainer.id())?;
-                (folder, trainer, metrics, None)
+                (RunDir::create(&path)?, trainer)
             }
             Start::Resumed { folder, changes } => {
                 let Changes { env_steps, until, engine, precision } = changes;
@@ -193,10 +190,7 @@ impl EnvVisitor for Session {
                 if let Some(until) = until {
                     trainer.set_until(until);
                 }
-                let (id, evaluations) = (trainer.id(), trainer.evaluations());
-                let metrics = MetricsFile::resume(&folder.metrics(), id, evaluations)?;
-                let latest = read_evaluations(folder.path(), Some(id))?.pop();
-                (folder, trainer, metrics, latest.map(|latest| latest.success))
+                (folder, trainer)
             }
         };
         if !folder.is_guarded() {
@@ -205,14 +199,18 @@ impl EnvVisitor for Session {
                 folder.path().display()
             ));
         }
-        let (config, options) = (trainer.config().clone(), made_with);
-        let settings = Settings { config, options };
-        folder.write_config(&settings, trainer.id())?;
-        finish_recordings(&folder, printer)?;
+        let files = RunFiles::new(folder, &trainer)?;
+        let (folder, settings) = (files.folder(), files.settings());
+        let latest = match trainer.evaluations() {
+            0 => None,
+            _ => read_evaluations(folder.path(), Some(trainer.id()))?.pop(),
+        };
+        let latest = latest.map(|latest| latest.success);
+        finish_recordings(folder, printer)?;
         if let Some(finish) = trainer.finished() {
             // Its last policy may be missing, where a stop fell between two files.
             trainer.run(Some(folder.path()), &mut |_: &Event| Ok(()), &AtomicBool::new(false))?;
-            printer.note(already_finished(finish, &folder, trainer.progress()));
+            printer.note(already_finished(finish, folder, trainer.progress()));
             return Ok(Status::Success);
         }
         let recorder = match record_every {
@@ -221,8 +219,8 @@ impl EnvVisitor for Session {
                 let mut info =
                     RecordingInfo::new(env.spec(), Source::Training, *seed, relay.reach_distance);
                 info.run = Some(trainer.id());
-                info.config = settings::to_toml(&settings)?;
-                Some(Recorder::new(every, &folder, info, env))
+                info.config = settings::to_toml(settings)?;
+                Some(Recorder::new(every, folder, info, env))
             }
             None => None,
         };
@@ -246,9 +244,8 @@ impl EnvVisitor for Session {
             pulse.report(started_at);
         }
         let watch = Watch {
-            folder,
+            files,
             claim,
-            metrics,
             events: events.transpose()?,
             progress,
             recorder,
@@ -283,7 +280,7 @@ fn run<const N: usize, E: Simulated<N>>(
     left: Option<Duration>,
     printer: Printer,
 ) -> anyhow::Result<Status> {
-    let path = watch.folder.path().to_owned();
+    let path = watch.files.path().to_owned();
     let is_cell = watch.claim.is_some();
     printer.note(format_args!("run folder: {}", path.display()));
     let stop = Stop::listen(watch.progress.teller(), STOPPING)?;
@@ -295,7 +292,7 @@ fn run<const N: usize, E: Simulated<N>>(
     let recorded = watch.recorder.map(Recorder::finish).transpose();
     if finish.is_err() {
         // Whatever failed, failed because of it.
-        watch.folder.check()?;
+        watch.files.folder().check()?;
     }
     let finish = finish?;
     match recorded {
@@ -308,7 +305,7 @@ fn run<const N: usize, E: Simulated<N>>(
             error.source
         )),
     }
-    printer.note(summary(finish, &trainer, watch.last.as_ref(), &watch.folder));
+    printer.note(summary(finish, &trainer, watch.last.as_ref(), watch.files.folder()));
     if finish != Finish::Stopped && !is_cell {
         printer.note(format_args!("`rher play {} --gif policy.gif` shows it", path.display()));
     }

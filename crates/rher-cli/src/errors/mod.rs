@@ -26,17 +26,20 @@ use rher_core::learner::simd::SimdError;
 use rher_core::policy::PolicyError;
 use rher_core::train::checkpoint::CheckpointError;
 use rher_core::train::{PretrainedError, TrainError};
+use rher_envs::TaskNameError;
 use rher_record::export::ExportError;
 use rher_record::{PlayError, ReadError};
 use rher_runs::sweep::{AttemptError, ClaimError, Lost, PlanError};
 use rher_runs::{
-    ConfigFileError, MetricsError, OtherSettings, RunDirError, RunError, SettingsError,
+    ConfigFileError, MetricsError, OtherSettings, RunDirError, RunError, RunFilesError,
+    SettingsError,
 };
 use std::error::Error;
 
 /// The errors with a report.
 const KNOWN: &[fn(&(dyn Error + 'static)) -> Option<Report>] = &[
     explain::<SettingsError>,
+    explain::<RunFilesError>,
     explain::<RunDirError>,
     explain::<PlanError>,
     explain::<ClaimError>,
@@ -68,6 +71,7 @@ const KNOWN: &[fn(&(dyn Error + 'static)) -> Option<Report>] = &[
     explain::<SameRun>,
     explain::<NotReal>,
     explain::<OtherBits>,
+    explain::<TaskNameError>,
 ];
 
 /// The report of whatever a command returned: that of the first cause that has one.

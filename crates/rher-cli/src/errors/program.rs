@@ -3,6 +3,7 @@
 use super::report::{Explain, Report};
 use crate::exit_code::Status;
 use rher_core::RunId;
+use rher_envs::TaskNameError;
 use rher_record::verify::Difference;
 use std::path::PathBuf;
 
@@ -15,7 +16,15 @@ pub(crate) struct ForeignTask {
 
 impl Explain for ForeignTask {
     fn report(&self) -> Option<Report> {
-        Some(Report::new(Status::Usage, "`rher tasks` lists the tasks of this program"))
+        let hint = "`rher tasks` lists the tasks of this program; a task of your own is known to \
+                    your own program";
+        Some(Report::new(Status::Usage, hint))
+    }
+}
+
+impl Explain for TaskNameError {
+    fn report(&self) -> Option<Report> {
+        Some(Report::plain(Status::Usage))
     }
 }
 

@@ -2,7 +2,19 @@
 
 use super::report::{Explain, Report};
 use crate::exit_code::Status;
-use rher_runs::{ConfigFileError, MetricsError, OtherSettings, RunDirError, RunError};
+use rher_runs::{
+    ConfigFileError, MetricsError, OtherSettings, RunDirError, RunError, RunFilesError,
+};
+
+impl Explain for RunFilesError {
+    fn report(&self) -> Option<Report> {
+        match self {
+            Self::Folder(error) => error.report(),
+            Self::Metrics(error) => error.report(),
+            Self::File(error) => error.report(),
+        }
+    }
+}
 
 impl Explain for RunDirError {
     fn report(&self) -> Option<Report> {

@@ -12,15 +12,14 @@ use recorder::RecorderError;
 use rher_core::event::{Event, Metrics, Observer, ObserverError};
 use rher_core::files::FileError;
 use rher_envs::Simulated;
+use rher_runs::RunFiles;
 use rher_runs::sweep::{Guard, Pulse};
-use rher_runs::{MetricsFile, RunDir};
 
 /// Writes metrics down, shows progress and records episodes.
 pub(crate) struct Watch<E, const N: usize> {
-    pub(crate) folder: RunDir,
+    pub(crate) files: RunFiles,
     /// What the cell of a plan is claimed by.
     pub(crate) claim: Option<(Guard, Pulse)>,
-    pub(crate) metrics: MetricsFile,
     /// For `TensorBoard`.
     pub(crate) events: Option<EventFile>,
     pub(crate) progress: ProgressView,
@@ -32,9 +31,8 @@ pub(crate) struct Watch<E, const N: usize> {
 }
 
 impl<const N: usize, E: Simulated<N>> Watch<E, N> {
-    /// What is written must be beside what was written before.
-    fn check_folder(&self) -> Result<(), ObserverError> {
-        self.folder.check().map_err(|error| ObserverError(error.into()))?;
+    /// Nothing is written for a cell that another process has taken over.
+    fn check_claim(&self) -> Result<(), ObserverError> {
         match &self.claim {
             Some((guard, _)) => guard.check().map_err(|lost| ObserverError(lost.into())),
             None => Ok(()),
@@ -62,9 +60,8 @@ impl<const N: usize, E: Simulated<N>> Observer for Watch<E, N> {
                 }
             }
             Event::Evaluated(metrics) => {
-                self.check_folder()?;
-                let written = self.metrics.append(metrics);
-                written.map_err(|error| ObserverError(error.into()))?;
+                self.check_claim()?;
+                self.files.on(event)?;
                 if let Some(events) = &mut self.events
                     && let Err(error) = events.append(metrics)
                 {
@@ -81,7 +78,10 @@ impl<const N: usize, E: Simulated<N>> Observer for Watch<E, N> {
                 }
                 self.last = Some(metrics.as_ref().clone());
             }
-            Event::Saving => self.check_folder()?,
+            Event::Saving => {
+                self.check_claim()?;
+                self.files.on(event)?;
+            }
             Event::Explored(script) => {
                 if let Some(recorder) = &mut self.recorder
                     && recorder.wants(script.number)

@@ -1,7 +1,8 @@
 //! `rher bench env`: steps per CPU-second.
 
 use crate::cli::BenchEnvArgs;
-use crate::host::{Program, threads};
+use crate::host::Again;
+use crate::host::threads;
 use crate::numbers::thousands;
 use crate::printer::Printer;
 use crate::tables::{table, text};
@@ -58,7 +59,7 @@ struct TogetherSpeed {
 
 pub(crate) fn bench_env(
     args: &BenchEnvArgs,
-    program: &Program,
+    again: &Again,
     printer: Printer,
 ) -> anyhow::Result<()> {
     if args.one_thread {
@@ -74,7 +75,7 @@ pub(crate) fn bench_env(
         .map(|&task| {
             let mut speed = task.visit(Measure { task })?;
             if !args.tasks.is_empty() || stands_for_all(task) {
-                speed.together = Some(together(task, program)?);
+                speed.together = Some(together(task, again)?);
             }
             Ok(speed)
         })
@@ -140,21 +141,21 @@ impl EnvVisitor for Measure {
 }
 
 /// Measures the three ways of stepping many environments, in turn.
-fn together(task: Task, program: &Program) -> anyhow::Result<TogetherSpeed> {
+fn together(task: Task, again: &Again) -> anyhow::Result<TogetherSpeed> {
     let threads = threads(None);
     let (mut one_thread, mut all_threads, mut processes) = (0.0_f64, 0.0_f64, 0.0_f64);
     for _ in 0..ROUNDS {
         one_thread = one_thread.max(task.visit(Together { threads: 1 })?);
         all_threads = all_threads.max(task.visit(Together { threads })?);
-        processes = processes.max(in_processes(task, threads, program)?);
+        processes = processes.max(in_processes(task, threads, again)?);
     }
     Ok(TogetherSpeed { envs: TOGETHER, threads, one_thread, all_threads, processes })
 }
 
 /// The sum of what this program reaches when it runs several times at once, each on one thread.
-fn in_processes(task: Task, processes: usize, program: &Program) -> anyhow::Result<f64> {
+fn in_processes(task: Task, processes: usize, again: &Again) -> anyhow::Result<f64> {
     let start = |_| {
-        program
+        again
             .command()
             .args(["bench", "env", "--one-thread", "--task", task.name()])
             .stdout(Stdio::piped())
