@@ -112,3 +112,36 @@ fn objects_that_are_alike_and_not_told_apart_are_refused() {
 fn one_object_told_apart_is_not_enough() {
     let _ = Simulation::<Twins<ONE>, 2>::new();
 }
+
+/// Drives a hand as far as it goes along an axis.
+struct Drive([f32; 4]);
+
+impl EnvVisitor for Drive {
+    type Output = ();
+
+    fn visit<const N: usize, E: Simulated<N>>(self, build: impl Fn() -> E + Sync) {
+        let Self(action) = self;
+        let mut env = build();
+        let width = env.spec().action_dim;
+        let mut observation = vec![0.0; env.spec().obs_dim];
+        let mut at = env.reset(1, &mut observation).unwrap().achieved.0.gripper;
+        assert!(env.can_reach(&at));
+        for _ in 0..200 {
+            at = env.step(&action[..width], &mut observation).unwrap().0.gripper;
+        }
+        let [x, y, ..] = action;
+        let further = |meters: f32| at + rher_core::nalgebra::Vector3::new(x, y, 0.0) * meters;
+        let name = &env.spec().name;
+        assert!(env.can_reach(&further(-0.05)), "{name}: {at}");
+        assert!(!env.can_reach(&further(0.15)), "{name}: {at}");
+    }
+}
+
+#[test]
+fn the_hand_gets_as_far_as_it_can_reach() {
+    for task in [Task::PICK, Task::SLIDE, Task::CUE_PUSH] {
+        for action in [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, -1.0, 0.0, 0.0]] {
+            task.visit(Drive(action));
+        }
+    }
+}

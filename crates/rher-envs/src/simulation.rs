@@ -145,6 +145,12 @@ pub trait Simulated<const N: usize>: Env<N> + 'static {
         Places::unknown()
     }
 
+    /// Whether actions can bring the gripper, as observations and goals have it, near enough to
+    /// `place` that it counts as there, whatever is in the way.
+    fn can_reach(&self, _place: &Position) -> bool {
+        true
+    }
+
     /// Everything that can be seen but the floor at height 0, where it really is, whatever sensors
     /// tell.
     fn things(&self) -> Vec<Thing> {
@@ -182,6 +188,10 @@ impl<const N: usize> Simulated<N> for Box<dyn Simulated<N>> {
 
     fn places(&self) -> Places<N> {
         (**self).places()
+    }
+
+    fn can_reach(&self, place: &Position) -> bool {
+        (**self).can_reach(place)
     }
 
     fn things(&self) -> Vec<Thing> {
@@ -427,6 +437,12 @@ impl<S: Scenario<N>, const N: usize> Simulated<N> for Simulation<S, N> {
         let mut positions = Positions::new();
         self.scenario.observe(&self.layout, &self.world, &mut positions);
         positions.into_places()
+    }
+
+    fn can_reach(&self, place: &Position) -> bool {
+        let grip = self.world.grip().position;
+        let place = place - (self.scenario.gripper(&self.world) - grip);
+        self.world.can_reach(&place, S::REACH_TOLERANCE)
     }
 
     fn things(&self) -> Vec<Thing> {

@@ -320,6 +320,17 @@ impl Gripper {
         }
     }
 
+    /// Whether actions can bring the grip center to within `tolerance` meters of `place`: it is near
+    /// the box that they keep the hand in, and there the arm takes back less than an action moves
+    /// the hand along an axis.
+    pub(super) fn can_reach(&self, place: Vector, tolerance: f32) -> bool {
+        let [lowest, highest] = self.range.corners;
+        let nearest = place.clamp(lowest, highest);
+        let arm = nearest - self.robot;
+        let taken_back = (STRETCHED.at(arm) + FOLDED.at(arm)).length();
+        nearest.distance(place) <= tolerance && taken_back <= self.range.per_step
+    }
+
     /// From the grip center to the upper end of the fingers or the cue, in meters.
     pub(super) fn top(&self) -> f32 {
         self.height + self.half_length

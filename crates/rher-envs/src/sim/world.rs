@@ -208,6 +208,11 @@ impl World {
         self.fingers
     }
 
+    /// Whether actions can bring the grip center to within `tolerance` meters of `place`.
+    pub(crate) fn can_reach(&self, place: &Position, tolerance: f32) -> bool {
+        self.state.gripper.can_reach(glam(place.coords), tolerance)
+    }
+
     /// The gripper now, as it is seen.
     pub fn grip(&self) -> Grip {
         let mut grip = self.state.gripper.grip(&self.state.bodies);
