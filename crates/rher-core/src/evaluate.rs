@@ -73,17 +73,45 @@ pub fn evaluate<const N: usize, E: Env<N>>(
     config: &EvaluationConfig,
     test_policy: TestPolicy,
 ) -> Result<Evaluation, EvaluateError> {
-    let evaluation = evaluate_until(&AtomicBool::new(false), envs, policy, config, test_policy)?;
+    evaluate_each(envs, policy, config, test_policy, |_, _| {})
+}
+
+/// The same, and `seen` is called with every episode that was played and the environment that it
+/// was played in, which is at its end; in any order, and from several threads at once.
+///
+/// # Panics
+///
+/// If there is no environment.
+pub fn evaluate_each<const N: usize, E: Env<N>>(
+    envs: &mut [E],
+    policy: &Policy,
+    config: &EvaluationConfig,
+    test_policy: TestPolicy,
+    seen: impl Fn(&E, &Played<N>) + Sync,
+) -> Result<Evaluation, EvaluateError> {
+    let stop = AtomicBool::new(false);
+    let evaluation = evaluate_seen(&stop, envs, policy, config, test_policy, seen)?;
     Ok(evaluation.expect("nobody stops it"))
 }
 
-/// The same; `None` if `stop` was set before all episodes were played.
+/// Evaluates; `None` if `stop` was set before all episodes were played.
 pub(crate) fn evaluate_until<const N: usize, E: Env<N>>(
     stop: &AtomicBool,
     envs: &mut [E],
     policy: &Policy,
     config: &EvaluationConfig,
     test_policy: TestPolicy,
+) -> Result<Option<Evaluation>, EvaluateError> {
+    evaluate_seen(stop, envs, policy, config, test_policy, |_, _| {})
+}
+
+fn evaluate_seen<const N: usize, E: Env<N>>(
+    stop: &AtomicBool,
+    envs: &mut [E],
+    policy: &Policy,
+    config: &EvaluationConfig,
+    test_policy: TestPolicy,
+    seen: impl Fn(&E, &Played<N>) + Sync,
 ) -> Result<Option<Evaluation>, EvaluateError> {
     let spec = envs[0].spec();
     spec.validate()?;
@@ -114,12 +142,14 @@ pub(crate) fn evaluate_until<const N: usize, E: Env<N>>(
                     if stop.load(Ordering::Relaxed) {
                         return Ok(None);
                     }
-                    let Played { episode: played, .. } =
+                    let whole =
                         play(env, policy, stage, test_policy, Seed(config.env_seed), episode)?;
+                    seen(env, &whole);
+                    let played = &whole.episode;
                     let end = played.achieved[played.achieved.len() - 1];
                     let met = EncodedGoal::new(stage, &end, &played.desired)
                         .is_met(&end, &tolerances)
-                        || stage.index() < last && was_touched(stage, &played, &tolerances);
+                        || stage.index() < last && was_touched(stage, played, &tolerances);
                     let distance = |end: &Achieved<N>| final_distance(stage, end, &played.desired);
                     let truly = env.truth().map(|end| distance(&end));
                     Ok(Some((stage.index(), met, distance(&end), truly)))
