@@ -64,3 +64,35 @@ fn runs_are_listed_with_their_state() {
     std::fs::create_dir(rher.path("empty")).unwrap();
     assert!(rher.run("runs empty").stderr.contains("there is no run in `empty`"));
 }
+
+#[test]
+fn robustness_is_one_command() {
+    let rher = Rher::new();
+    rher.ok(&format!("train push --quiet --env-steps 500 {TINY} --out run"));
+    let eval = |options: &str| -> Value {
+        let report = rher.ok(&format!("eval run --episodes 20 --json {options}"));
+        serde_json::from_str(&report).unwrap()
+    };
+    let as_trained = eval("");
+    let late = eval("--set randomize.sensor_noise=[0.02,0.05] --set randomize.mass=[4,5]");
+    assert_ne!(as_trained["final_distance"], late["final_distance"]);
+    assert_eq!(as_trained["options"]["randomize"]["mass"], Value::from(vec![1.0, 1.0]));
+    assert_eq!(late["options"]["randomize"]["mass"], Value::from(vec![4.0, 5.0]));
+    for report in [as_trained, late] {
+        let failed: u64 =
+            report["failures"].as_object().unwrap().values().map(|it| it.as_u64().unwrap()).sum();
+        let succeeded = 20.0 * report["success_final"].as_f64().unwrap();
+        assert_eq!(failed, 20 - succeeded.round() as u64, "{report}");
+    }
+    let text = rher.ok("eval run --episodes 5 --set randomize.friction=[0.2,0.3]");
+    assert!(text.contains("failures") && text.contains("randomize.friction"), "{text}");
+    for (key, says) in [
+        ("agent.discount=0.9", "`agent.discount` is no setting of the environments"),
+        ("randomize.fiction=[1,2]", "did you mean `randomize.friction`?"),
+        ("randomize.friction=[1,9]", "expected [low, high]"),
+        ("task.observe_obstacle=false", "a setting of `obstacle-push`, not of `push`"),
+    ] {
+        let ran = rher.run(&format!("eval run --set {key}")).to_string();
+        assert!(ran.starts_with("exit 2") && ran.contains(says), "{ran}");
+    }
+}

@@ -43,7 +43,7 @@ impl Cli {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// List the tasks with their objects, sub-tasks, dimensions, episode length and tolerances
+    /// List the tasks: what there is to do, and how long it usually takes to learn
     Tasks(TasksArgs),
     /// Train a policy, or resume a run from its checkpoint
     Train(TrainArgs),
@@ -103,7 +103,8 @@ pub(crate) struct ListArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct TasksArgs {
-    /// Print JSON: an array with one object per task
+    /// Print JSON: an array with one object per task, also with its dimensions, the length of its
+    /// episodes, its tolerances and the names of all numbers
     #[arg(long)]
     pub(crate) json: bool,
 }
@@ -399,7 +400,16 @@ pub(crate) struct SettingsArgs {
 #[command(after_long_help = "\
 Examples:
   rher eval runs/push-rher-fast-1
-  rher eval policy.safetensors --episodes 1000 --seed 7 --json")]
+  rher eval policy.safetensors --episodes 1000 --seed 7 --json
+  rher eval runs/push-rher-fast-1 --set 'randomize.friction=[0.5,1.5]'
+
+Episodes that fail are counted by kind, by the first of these that is true of one:
+  dropped       an object out of its place is lower than its goal, out of the hand, and has fallen: off
+                the table, from the hand or from a tower
+  disturbed     an object out of its place had been lying in it
+  out of reach  an object out of its place lies, or should go, where the hand cannot get
+  stuck         nothing moved in the last fifth of the episode
+  late          something still moved when the time was over")]
 pub(crate) struct EvalArgs {
     /// Run folder or policy file
     pub(crate) path: PathBuf,
@@ -414,6 +424,14 @@ pub(crate) struct EvalArgs {
     /// episodes when it is solved; the default is one more than that.
     #[arg(long, value_name = "N", value_parser = toml_integer(0))]
     pub(crate) seed: Option<u64>,
+
+    /// A setting of the environments to change, as in `--set randomize.action_delay=[0,2]`; may be
+    /// repeated
+    ///
+    /// All others are as the policy was trained with. Only `randomize.…` and the settings of the task,
+    /// `task.…`, can be changed; `rher config <TASK>` prints them.
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub(crate) set: Vec<Assignment>,
 
     /// Number of threads, which never changes the result [default: one for each core]
     #[arg(long, value_name = "N", value_parser = workers)]

@@ -11,6 +11,7 @@ mod commands;
 mod errors;
 mod exit_code;
 mod expected;
+mod failure;
 mod film;
 mod flops;
 mod host;

@@ -1,16 +1,20 @@
 //! `rher eval`: how often a policy succeeds.
 
 use crate::cli::EvalArgs;
+use crate::failure::{Failure, Failures};
 use crate::host::threads;
 use crate::numbers::percent;
 use crate::printer::Printer;
 use crate::tables::{table, text};
 use crate::trained::Trained;
 use rher_core::config::{EvaluationConfig, TestPolicy};
-use rher_core::evaluate::{Evaluation, evaluate};
+use rher_core::evaluate::{Evaluation, Played, evaluate_each};
+use rher_core::goal::Position;
 use rher_core::policy::Policy;
-use rher_envs::{EnvVisitor, Simulated};
+use rher_envs::{EnvVisitor, Options, Simulated};
+use rher_runs::settings;
 use serde::Serialize;
+use std::sync::Mutex;
 
 /// What is printed.
 #[derive(Serialize)]
@@ -26,14 +30,20 @@ struct EvalReport {
     /// The same for where they really were; `null` where sensors tell nothing else.
     true_final_distance: Option<f32>,
     episodes: usize,
+    /// How many of them failed, by kind.
+    failures: Failures,
+    /// Settings of the environments.
+    options: Options,
     env_seed: u64,
     /// Whether these are other episodes than those by which training was judged.
     held_out: bool,
 }
 
 pub(crate) fn eval(args: &EvalArgs, printer: Printer) -> anyhow::Result<()> {
-    let EvalArgs { path, episodes, seed, workers, json } = args;
+    let EvalArgs { path, episodes, seed, set, workers, json } = args;
     let trained = Trained::load(path)?;
+    let set: Vec<_> = set.iter().map(|it| (it.key.clone(), it.value.clone())).collect();
+    let options = settings::resolve_options(trained.task, &trained.options, &set)?;
     let episodes = episodes.get();
     let of_training = trained.training_seed();
     let env_seed = seed.unwrap_or(of_training.wrapping_add(1));
@@ -48,8 +58,8 @@ pub(crate) fn eval(args: &EvalArgs, printer: Printer) -> anyhow::Result<()> {
         test_policy: trained.test_policy(),
         workers: threads(*workers),
     };
-    let Evaluation { success, success_final, final_distance, true_final_distance } =
-        trained.task.visit_with(&trained.options, evaluate)??;
+    let (evaluation, failures) = trained.task.visit_with(&options, evaluate)??;
+    let Evaluation { success, success_final, final_distance, true_final_distance } = evaluation;
     let ci95 = wilson(success_final, episodes);
     let report = EvalReport {
         task: trained.task.name().to_owned(),
@@ -59,13 +69,15 @@ pub(crate) fn eval(args: &EvalArgs, printer: Printer) -> anyhow::Result<()> {
         final_distance,
         true_final_distance,
         episodes,
+        failures,
+        options,
         env_seed,
         held_out: env_seed != of_training,
     };
     let output = if *json {
         serde_json::to_string_pretty(&report)?
     } else {
-        describe(&report, &trained.task.subtasks())
+        describe(&report, &trained.task.subtasks(), &set)
     };
     printer.data(&output)?;
     Ok(())
@@ -80,14 +92,25 @@ struct Evaluate<'a> {
 }
 
 impl EnvVisitor for Evaluate<'_> {
-    type Output = anyhow::Result<Evaluation>;
+    type Output = anyhow::Result<(Evaluation, Failures)>;
 
     fn visit<const N: usize, E: Simulated<N>>(self, build: impl Fn() -> E + Sync) -> Self::Output {
         let Self { policy, config, test_policy, workers } = self;
         let pool = rayon::ThreadPoolBuilder::new().num_threads(workers).build()?;
         let mut envs: Vec<E> = (0..workers).map(|_| build()).collect();
-        let evaluation = pool.install(|| evaluate(&mut envs, policy, &config, test_policy));
-        Ok(evaluation?)
+        let last = policy.info().last_stage::<N>()?;
+        let failures = Mutex::new(Failures::default());
+        let count = |env: &E, Played { stage, episode, .. }: &Played<N>| {
+            let can_reach = |place: &Position| env.can_reach(place);
+            if *stage == last
+                && let Some(failure) = Failure::of(last, episode, &env.spec().tolerances, can_reach)
+            {
+                *failures.lock().expect("no thread panics while it counts") += failure;
+            }
+        };
+        let evaluation =
+            pool.install(|| evaluate_each(&mut envs, policy, &config, test_policy, count))?;
+        Ok((evaluation, failures.into_inner().expect("no thread panics while it counts")))
     }
 }
 
@@ -101,7 +124,7 @@ fn wilson(rate: f32, episodes: usize) -> [f64; 2] {
     [(center - margin) / scale, (center + margin) / scale].map(|bound| bound.clamp(0.0, 1.0))
 }
 
-fn describe(report: &EvalReport, subtasks: &[String]) -> String {
+fn describe(report: &EvalReport, subtasks: &[String], set: &[(String, toml::Value)]) -> String {
     let [low, high] = report.ci95;
     let mut lines = table();
     let mut add = |name: &str, value: String| {
@@ -124,6 +147,10 @@ fn describe(report: &EvalReport, subtasks: &[String]) -> String {
     add("final distance", format!("{:.1} cm", 100.0 * report.final_distance));
     if let Some(distance) = report.true_final_distance {
         add("true distance", format!("{:.1} cm", 100.0 * distance));
+    }
+    add("failures", report.failures.to_string());
+    for (key, value) in set {
+        add(key, value.to_string());
     }
     let judged =
         if report.held_out { "not those of training" } else { "those that training was judged by" };

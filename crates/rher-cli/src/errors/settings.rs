@@ -39,6 +39,11 @@ impl Explain for SettingsError {
                 };
                 Report::new(Status::Usage, hint)
             }
+            Self::NotOfEnvironments { .. } => Report::new(
+                Status::Usage,
+                "a policy is judged as it is; `rher train <TASK> --set KEY=VALUE` trains with other \
+                 settings",
+            ),
             Self::StartedFrom { origin, .. } => Report::new(
                 status(origin),
                 "`rher train <TASK> --from RUN` starts from a run; leave the section `[from]` out",

@@ -117,6 +117,12 @@ pub enum SettingsError {
         /// Dotted.
         key: String,
     },
+    /// The key is a setting, but not one of the environments.
+    #[error("--set: `{key}` is no setting of the environments, expected `randomize.…` or `task.…`")]
+    NotOfEnvironments {
+        /// Dotted.
+        key: String,
+    },
     /// The key is a fact about the run that another one started from.
     #[error("{origin}: `{key}` says which run another one started from, and cannot be set")]
     StartedFrom {

@@ -86,6 +86,19 @@ impl Layers {
         Ok(())
     }
 
+    /// Sets what concerns the environments.
+    pub(super) fn set_options(&mut self, set: &[(String, Value)]) -> Result<(), SettingsError> {
+        for (key, value) in set {
+            let is_fixed = FIXED.contains(&key.as_str());
+            let of_environments = ["task.", "randomize."].iter().any(|it| key.starts_with(it));
+            if is_fixed || !of_environments && lookup(&mut self.table, key).is_some() {
+                return Err(SettingsError::NotOfEnvironments { key: key.clone() });
+            }
+            self.set(key, value, || Source::Set.into())?;
+        }
+        Ok(())
+    }
+
     pub(super) fn set_all(&mut self, file: &ConfigFile) -> Result<(), SettingsError> {
         let mut entries = file.entries.iter();
         entries.try_for_each(|entry| self.set(&entry.key, &entry.value, || file.origin(entry)))

@@ -6,6 +6,7 @@ use super::{Asked, Settings, SettingsError, Source};
 use rher_core::config::{Preset, TrainConfig};
 use rher_core::train::memory::{self, MemoryError};
 use rher_envs::{EnvVisitor, Options, Simulated, Task};
+use toml::Value;
 
 /// The settings of a run on one of our tasks.
 pub fn resolve(task: Task, asked: &Asked) -> Result<Settings, SettingsError> {
@@ -27,6 +28,22 @@ pub fn resolve_here(task: Task, asked: &Asked) -> Result<Settings, SettingsError
     let Settings { config, options } = &settings;
     task.visit_with(options, CheckMemory(config)).map_err(SettingsError::Unfit)??;
     Ok(settings)
+}
+
+/// The options of environments of `task` that have `options`, but for what is `set`.
+///
+/// # Errors
+///
+/// If something is set that is no setting of these environments.
+pub fn resolve_options(
+    task: Task,
+    options: &Options,
+    set: &[(String, Value)],
+) -> Result<Options, SettingsError> {
+    let config = Preset::Fast.config(task.name(), task.objects());
+    let mut layers = Layers::new(Some(task), Settings { config, options: options.clone() })?;
+    layers.set_options(set)?;
+    Ok(layers.finish()?.options)
 }
 
 /// Checks that this machine has the memory for a run on one of our tasks.
