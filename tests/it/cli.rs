@@ -35,7 +35,7 @@ fn help_names_the_verbs_and_every_exit_status() {
     Usage: rher <COMMAND>
 
     Commands:
-      tasks      List the tasks with their objects, sub-tasks, dimensions, episode length and tolerances
+      tasks      List the tasks: what there is to do, and how long it usually takes to learn
       train      Train a policy, or resume a run from its checkpoint
       sweep      Train with every combination of settings and seeds, several runs at a time
       reproduce  Repeat an experiment of the paper
@@ -135,11 +135,13 @@ fn tasks_are_listed_for_people_and_for_programs() {
     let rher = Rher::new();
     let tasks = json(&rher.ok("tasks --json"));
     let reach = &tasks[0];
-    assert_snapshot!(serde_json::to_string(reach).unwrap(), @r#"{"action":4,"action_names":["locked_fingers.x","locked_fingers.y","locked_fingers.z","locked_fingers.opening"],"encoded_goal":6,"episode_steps":50,"goal":3,"name":"reach","object_names":["target1"],"objects":1,"observation":10,"observation_names":["gripper.position.x","gripper.position.y","gripper.position.z","finger1.opening","finger2.opening","gripper.velocity.x","gripper.velocity.y","gripper.velocity.z","finger1.velocity","finger2.velocity"],"subtasks":1,"tolerance":[0.05,0.05]}"#);
+    assert_snapshot!(serde_json::to_string(reach).unwrap(), @r#"{"about":"Bring the gripper to a place in the air.","action":4,"action_names":["locked_fingers.x","locked_fingers.y","locked_fingers.z","locked_fingers.opening"],"encoded_goal":6,"episode_steps":50,"goal":3,"name":"reach","object_names":["target1"],"objects":1,"observation":10,"observation_names":["gripper.position.x","gripper.position.y","gripper.position.z","finger1.opening","finger2.opening","gripper.velocity.x","gripper.velocity.y","gripper.velocity.z","finger1.velocity","finger2.velocity"],"solved":{"runs":[{"env_steps":1000,"wall_s":1}],"until":0.95},"subtasks":1,"tolerance":[0.05,0.05]}"#);
     let listing = rher.ok("tasks");
     for task in tasks.as_array().unwrap() {
         assert!(listing.contains(task["name"].as_str().unwrap()), "{listing}");
+        assert!(listing.contains(task["about"].as_str().unwrap()), "{listing}");
     }
+    assert!(listing.contains("10,000 to 12,500 steps"), "{listing}");
 }
 
 #[test]
@@ -553,8 +555,10 @@ fn a_policy_is_evaluated_from_its_folder_or_its_file() {
             "ci95",
             "env_seed",
             "episodes",
+            "failures",
             "final_distance",
             "held_out",
+            "options",
             "success",
             "success_final",
             "task",

@@ -9,6 +9,17 @@ pub(crate) fn thousands(number: u64) -> String {
     String::from_utf8_lossy(&groups.join(&b',')).into_owned()
 }
 
+/// Numbers of steps in increasing order, as `12,500 steps` or `10,000 to 12,500 steps`.
+pub(crate) fn range_of_steps(sorted: &[u64]) -> String {
+    match sorted {
+        [] => "no steps".to_owned(),
+        [least, .., most] if least != most => {
+            format!("{} to {} steps", thousands(*least), thousands(*most))
+        }
+        [least, ..] => format!("{} steps", thousands(*least)),
+    }
+}
+
 /// A share as `95 %`.
 pub(crate) fn percent(share: f64) -> String {
     format!("{:.0} %", 100.0 * share)
@@ -40,6 +51,9 @@ mod tests {
     fn numbers_read_well() {
         assert_eq!([0, 999, 1_000, 1_234_567].map(thousands), ["0", "999", "1,000", "1,234,567"]);
         assert_eq!([0.4, 65.0, 7_620.0].map(duration), ["0 s", "1 min 05 s", "2 h 07 min"]);
+        assert_eq!(range_of_steps(&[1_000]), "1,000 steps");
+        assert_eq!(range_of_steps(&[1_000, 1_000]), "1,000 steps");
+        assert_eq!(range_of_steps(&[1_000, 1_500, 2_000]), "1,000 to 2,000 steps");
         assert_eq!(percent(0.954), "95 %");
         assert_eq!([999, 3_400, 1_200_000_000].map(bytes), ["999 B", "3.4 kB", "1.2 GB"]);
     }

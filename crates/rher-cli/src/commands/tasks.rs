@@ -1,17 +1,26 @@
 //! `rher tasks`: what can be learned.
 
 use crate::cli::TasksArgs;
+use crate::expected::{End, published};
+use crate::numbers::{percent, range_of_steps};
 use crate::printer::Printer;
 use crate::tables::{table, text};
 use rher_core::goal::EncodedGoal;
 use rher_envs::{EnvVisitor, Simulated, Task};
 use serde::Serialize;
 
+/// Success rate at which runs end by default.
+const USUAL_RATE: f32 = 0.95;
+
 /// What holds for every episode of a task.
 #[derive(Serialize)]
 struct TaskFacts {
     name: String,
+    /// What there is to do, in a sentence.
+    about: &'static str,
     objects: usize,
+    /// Runs of the preset `fast` that were solved, and when; `null` where none is published.
+    solved: Option<Solved>,
     subtasks: usize,
     observation: usize,
     action: usize,
@@ -28,7 +37,15 @@ struct TaskFacts {
     action_names: Vec<String>,
 }
 
-struct Describe;
+/// Published runs that were solved.
+#[derive(Serialize)]
+struct Solved {
+    /// Success rate in two consecutive evaluations at which they ended.
+    until: f32,
+    runs: &'static [End],
+}
+
+struct Describe(Task);
 
 impl EnvVisitor for Describe {
     type Output = TaskFacts;
@@ -37,9 +54,12 @@ impl EnvVisitor for Describe {
         let env = build();
         let spec = env.spec();
         let names = spec.names.clone();
+        let solved = published(self.0).map(|it| Solved { until: it.until, runs: it.ends });
         TaskFacts {
             name: spec.name.clone(),
+            about: self.0.about(),
             objects: N,
+            solved,
             subtasks: spec.subtasks,
             observation: spec.obs_dim,
             action: spec.action_dim,
@@ -55,37 +75,34 @@ impl EnvVisitor for Describe {
 }
 
 pub(crate) fn tasks(args: &TasksArgs, printer: Printer) -> anyhow::Result<()> {
-    let facts: Vec<TaskFacts> = Task::all().into_iter().map(|task| task.visit(Describe)).collect();
+    let facts: Vec<TaskFacts> =
+        Task::all().into_iter().map(|task| task.visit(Describe(task))).collect();
     if args.json {
         printer.data(&serde_json::to_string_pretty(&facts)?)?;
         return Ok(());
     }
     let mut listing = table();
-    listing.set_header([
-        "task",
-        "objects",
-        "sub-tasks",
-        "observation",
-        "action",
-        "goal",
-        "encoded goal",
-        "steps",
-        "tolerance (m)",
-    ]);
-    for task in facts {
-        let tolerance: Vec<String> = task.tolerance.iter().map(f32::to_string).collect();
-        listing.add_row([
-            task.name,
-            task.objects.to_string(),
-            task.subtasks.to_string(),
-            task.observation.to_string(),
-            task.action.to_string(),
-            task.goal.to_string(),
-            task.encoded_goal.to_string(),
-            task.episode_steps.to_string(),
-            tolerance.join(" "),
-        ]);
+    listing.set_header(["task", "what there is to do", "usually takes", "on one core"]);
+    for TaskFacts { name, about, solved, .. } in facts {
+        let (steps, time) = solved.map_or_else(Default::default, |solved| takes(&solved));
+        listing.add_row([name, about.to_owned(), steps, time]);
     }
     printer.data(&text(&listing))?;
     Ok(())
+}
+
+/// How many steps it takes to learn a task, and about how much time.
+fn takes(Solved { until, runs }: &Solved) -> (String, String) {
+    let steps: Vec<u64> = runs.iter().map(|end| end.env_steps).collect();
+    let mut steps = range_of_steps(&steps);
+    if *until < USUAL_RATE {
+        steps = format!("{steps} to {}", percent(f64::from(*until)));
+    }
+    let seconds = runs[runs.len() / 2].wall_s as f64;
+    let time = match seconds {
+        ..10.0 => "seconds".to_owned(),
+        ..55.0 => format!("{:.0} s", 10.0 * (seconds / 10.0).round()),
+        _ => format!("{:.0} min", (seconds / 60.0).round()),
+    };
+    (steps, time)
 }

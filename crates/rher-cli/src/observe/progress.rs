@@ -1,7 +1,7 @@
 //! How far a run is: a line for every evaluation, and a bar below it where stderr is a terminal.
 
 use crate::expected;
-use crate::numbers::{duration, percent, thousands};
+use crate::numbers::{duration, percent, range_of_steps, thousands};
 use crate::printer::{Printer, Verbosity};
 use indicatif::{ProgressBar, ProgressStyle};
 use rher_core::config::TrainConfig;
@@ -21,7 +21,7 @@ pub(crate) struct Course {
     interval: u64,
     until: f32,
     /// Steps after which such runs were solved.
-    usual: Option<&'static [u64]>,
+    usual: Option<Vec<u64>>,
 }
 
 impl Course {
@@ -44,7 +44,7 @@ impl Course {
     /// The step at which it will end, at a guess: with the budget, where nobody knows better.
     fn end(&self, now: u64, last: Option<f32>) -> u64 {
         let solved = self.until > 0.0 && last.is_some_and(|rate| rate >= self.until);
-        let end = self.usual.map(|usual| expected::end(usual, now, self.interval, solved));
+        let end = self.usual.as_ref().map(|usual| expected::end(usual, now, self.interval, solved));
         end.map_or(self.env_steps, |end| end.min(self.env_steps))
     }
 
@@ -61,19 +61,14 @@ impl Course {
 
     /// What is known before a run begins, if anything.
     fn usually(&self) -> Option<String> {
-        let (usual, until) = (self.usual?, f64::from(self.until));
-        let (least, most) = (usual.first()?, usual.last()?);
-        if *most > self.env_steps {
+        let (usual, until) = (self.usual.as_ref()?, f64::from(self.until));
+        if *usual.last()? > self.env_steps {
             return None;
         }
-        let range = if least == most {
-            format!("about {}", thousands(*least))
-        } else {
-            format!("{} to {}", thousands(*least), thousands(*most))
-        };
         Some(format!(
-            "goal: {} in two consecutive evaluations, which usually takes {range} steps, at most {}",
+            "goal: {} in two consecutive evaluations, which usually takes {}, at most {}",
             percent(until),
+            range_of_steps(usual),
             thousands(self.env_steps)
         ))
     }
