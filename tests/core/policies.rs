@@ -7,9 +7,10 @@ use rher_core::episode::{ActError, rollout};
 use rher_core::goal::{Achieved, Desired, Position, Scene};
 use rher_core::input::InputEncoder;
 use rher_core::learner::state::LearnerState;
-use rher_core::policy::{Policy, PolicyError, PolicyInfo};
+use rher_core::policy::{Actor, Policy, PolicyError, PolicyInfo};
 use rher_core::seed::{Purpose, Seed};
 use rher_core::train::Trainer;
+use rher_core::{Control, Names};
 use std::sync::atomic::AtomicBool;
 
 pub(crate) fn trained() -> Policy {
@@ -158,6 +159,47 @@ fn of_two() -> Policy {
         reach_distance: 0.03,
     };
     Policy::new(info, encoder, learner.actor.shape, learner.actor.online)
+}
+
+/// A controller holds its actor, and learns from the file how to wire it.
+#[test]
+fn a_policy_keeps_the_rate_the_units_and_the_names_of_its_numbers() {
+    let list = |items: &[&str]| items.iter().map(ToString::to_string).collect();
+    let mut spec = EnvSpec::<2>::new("two", 2, 1, 5);
+    spec.names = Names {
+        objects: list(&["block1", "block2"]),
+        observation: list(&["block1.position.x", "block2.position.x"]),
+        action: list(&["hand.x"]),
+    };
+    spec.control = Control {
+        rate_hz: Some(25.0),
+        frame: "x along the rail".to_owned(),
+        observation_units: list(&["m", "m"]),
+        action_units: list(&["0.05 m/step"]),
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("policy.safetensors");
+    of_two().of_env(&spec).save(&path).unwrap();
+    let policy = Policy::load(&path).unwrap();
+    assert_eq!((policy.names(), policy.control()), (&spec.names, &spec.control));
+
+    let scene = Achieved(Scene { gripper: Position::origin(), objects: [Position::origin(); 2] });
+    let desired = Desired::of_task([Position::new(0.1, 0.0, 0.0); 2]);
+    let (mut lent, mut owned) = ([0.0], [0.0]);
+    let mut actor = policy.actor(&spec).unwrap();
+    actor.act(actor.task(), &[0.0; 2], &scene, &desired, &mut lent).unwrap();
+    let mut actor: Actor<'static, 2> = policy.clone().into_actor(&spec).unwrap();
+    actor.act(actor.task(), &[0.0; 2], &scene, &desired, &mut owned).unwrap();
+    assert_eq!(lent, owned);
+    assert_eq!(actor.policy(), &policy);
+
+    spec.control.observation_units.pop();
+    of_two().of_env(&spec).save(&path).unwrap();
+    let error = Policy::load(&path).unwrap_err().to_string();
+    assert!(error.contains("`control.observation_units` has 1 units, expected 2"), "{error}");
+    spec.control.rate_hz = Some(0.0);
+    let error = spec.validate().unwrap_err().to_string();
+    assert!(error.contains("`control.rate_hz` = 0, expected a number of actions"), "{error}");
 }
 
 /// What a file says of the order of objects is not trusted either: it would index an observation.

@@ -3,7 +3,6 @@
 use proptest::prelude::*;
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
-use rher_core::Names;
 use rher_core::batch::Batch;
 use rher_core::config::{GoalFrame, ObjectOrder, Preset, RelayConfig};
 use rher_core::env::{EnvSpec, Mirror, Permutation, SignedIndex};
@@ -14,6 +13,7 @@ use rher_core::goal::{
 use rher_core::input::InputEncoder;
 use rher_core::relabel::Relabeler;
 use rher_core::replay::Replay;
+use rher_core::{Control, Names};
 
 const STEPS: usize = 6;
 
@@ -30,6 +30,7 @@ fn spec(mirrors: Vec<Mirror>, permutations: Vec<Permutation<2>>) -> EnvSpec<2> {
         permutations,
         any_order: false,
         names: Names::default(),
+        control: Control::default(),
     }
 }
 

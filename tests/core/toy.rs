@@ -4,11 +4,11 @@
 
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
-use rher_core::Names;
 use rher_core::config::{Preset, TrainConfig};
 use rher_core::env::{Env, EnvError, EnvSpec, Start};
 use rher_core::event::{Event, Metrics, Observer, ObserverError};
 use rher_core::goal::{Achieved, Desired, Position, Scene, Tolerances};
+use rher_core::{Control, Names};
 
 /// How far an action moves the gripper, in meters.
 const STRIDE: f32 = 0.1;
@@ -39,6 +39,7 @@ impl<const N: usize> Magnet<N> {
                 permutations: Vec::new(),
                 any_order: false,
                 names: Names::default(),
+                control: Control::default(),
             },
             scene: Scene { gripper: origin, objects: [origin; N] },
             desired: [origin; N],

@@ -1,8 +1,8 @@
 //! A world of one action, in which the right value of every state is known.
 
-use rher_core::Names;
 use rher_core::env::{Env, EnvError, EnvSpec, Start};
 use rher_core::goal::{Achieved, Desired, Position, Scene, Tolerances};
+use rher_core::{Control, Names};
 
 /// How far an action moves the gripper, in meters.
 const STRIDE: f32 = 0.1;
@@ -31,6 +31,7 @@ impl Probe {
                 permutations: Vec::new(),
                 any_order: false,
                 names: Names::default(),
+                control: Control::default(),
             },
             target,
         }

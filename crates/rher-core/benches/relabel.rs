@@ -3,7 +3,6 @@
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
-use rher_core::Names;
 use rher_core::batch::Batch;
 use rher_core::config::Preset;
 use rher_core::env::{EnvSpec, Mirror, SignedIndex};
@@ -12,6 +11,7 @@ use rher_core::goal::{Achieved, Desired, Position, Scene, Stage, Tolerances};
 use rher_core::input::InputEncoder;
 use rher_core::relabel::Relabeler;
 use rher_core::replay::Replay;
+use rher_core::{Control, Names};
 
 const OBSERVATION: usize = 25;
 const ACTION: usize = 4;
@@ -38,6 +38,7 @@ fn spec() -> EnvSpec<1> {
         permutations: Vec::new(),
         any_order: false,
         names: Names::default(),
+        control: Control::default(),
     }
 }
 

@@ -1,5 +1,6 @@
 //! What the method needs to know about an environment.
 
+use crate::control::Control;
 use crate::goal::{Achieved, Desired, Stage, Tolerances};
 use crate::names::Names;
 
@@ -48,6 +49,8 @@ pub struct EnvSpec<const N: usize> {
     /// What the numbers are, for a run that starts from one of another task; empty where nobody
     /// knows.
     pub names: Names,
+    /// How fast it acts and what its numbers measure, for whoever deploys a policy.
+    pub control: Control,
 }
 
 impl<const N: usize> EnvSpec<N> {
@@ -65,6 +68,7 @@ impl<const N: usize> EnvSpec<N> {
             permutations: Vec::new(),
             any_order: false,
             names: Names::default(),
+            control: Control::default(),
         }
     }
 
@@ -112,7 +116,9 @@ impl<const N: usize> EnvSpec<N> {
                 );
             }
         }
-        if let Err((field, found, expected)) = self.names.check(N, self.obs_dim, self.action_dim) {
+        let of_control = self.control.check(self.obs_dim, self.action_dim);
+        let of_names = self.names.check(N, self.obs_dim, self.action_dim);
+        if let Err((field, found, expected)) = of_names.and(of_control) {
             return wrong(field.to_owned(), found, expected);
         }
         for (index, mirror) in self.mirrors.iter().enumerate() {

@@ -198,6 +198,7 @@
 pub mod batch;
 mod choice;
 pub mod config;
+mod control;
 pub mod env;
 pub mod episode;
 #[cfg(feature = "train")]
@@ -229,6 +230,7 @@ pub mod testing;
 pub mod train;
 
 pub use config::{ConfigError, Preset, TrainConfig};
+pub use control::Control;
 pub use env::{Env, EnvError, EnvSpec, Mirror, Permutation, SignedIndex, SpecError, Start};
 pub use episode::{ActError, Episode, RolloutError, View, rollout};
 #[cfg(feature = "train")]

@@ -1,5 +1,7 @@
 //! Names for what an agent observes and does.
 
+use serde::{Deserialize, Serialize};
+
 /// What the numbers of an observation and of an action are, by which the networks of one task find
 /// their inputs in another.
 ///
@@ -17,7 +19,8 @@
 /// };
 /// assert!(spec.validate().is_ok());
 /// ```
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Names {
     /// One for each object, in relay order: what kind of object it is, and its number, such as
     /// `block1`.

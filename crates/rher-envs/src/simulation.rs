@@ -2,13 +2,13 @@
 
 use crate::observation::{Labels, Numbers, Owners, Places, Positions, Reflections, Sink};
 use crate::options::{OptionError, Options, Randomize, TaskOption, TaskOptions};
-use crate::sim::{self, Fingers, World};
+use crate::sim::{self, Fingers, STEP_SECONDS, World};
 use crate::thing::Thing;
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
-use rher_core::Names;
 use rher_core::env::{Env, EnvError, EnvSpec, Mirror, SignedIndex, Start};
 use rher_core::goal::{Achieved, Desired, Position, Scene, Tolerances};
+use rher_core::{Control, Names};
 use std::any::Any;
 use std::iter;
 use std::marker::PhantomData;
@@ -19,6 +19,10 @@ pub const ACTION_WIDTH: usize = 4;
 
 /// The plane y = 0.7491 m through the Fetch robot and its table.
 pub(crate) const MIDDLE: f32 = 0.7491;
+
+/// The frame of all positions.
+const FRAME: &str = "that of Gymnasium-Robotics' Fetch tasks: right-handed, x forward from the \
+                     robot to the table, y to the robot's left, z up from the floor";
 
 /// What makes one task differ from another.
 pub trait Scenario<const N: usize>: Sized + Send + 'static {
@@ -299,8 +303,15 @@ impl<S: Scenario<N>, const N: usize> Simulation<S, N> {
             .collect();
         let mut labels = Labels::new(&objects);
         scenario.observe(&layout, &world, &mut labels);
+        let units = labels.units();
         let observation = labels.into_names();
         let action = action_names(world.fingers(), S::ACTION_WIDTH);
+        let control = Control {
+            rate_hz: Some(1.0 / STEP_SECONDS),
+            frame: FRAME.to_owned(),
+            observation_units: units,
+            action_units: action_units(&world, S::ACTION_WIDTH),
+        };
         let names = Names { objects, observation, action };
         let spec = EnvSpec {
             name: S::NAME.to_owned(),
@@ -314,6 +325,7 @@ impl<S: Scenario<N>, const N: usize> Simulation<S, N> {
             permutations,
             any_order: S::ANY_ORDER,
             names,
+            control,
         };
         Self { spec, options: options.clone(), scenario, world, layout }
     }
@@ -488,6 +500,16 @@ fn action_names(fingers: Fingers, width: usize) -> Vec<String> {
     };
     let names = ["x", "y", "z", "opening"].map(|what| format!("{hand}.{what}"));
     names.into_iter().take(width).collect()
+}
+
+fn action_units(world: &World, width: usize) -> Vec<String> {
+    let shift = format!("{} m/step", world.hand_step());
+    let opening = match world.fingers() {
+        Fingers::Free => "1 m/step",
+        Fingers::Locked | Fingers::Cue => "nothing",
+    };
+    let units = [shift.clone(), shift.clone(), shift, opening.to_owned()];
+    units.into_iter().take(width).collect()
 }
 
 fn mirrored_action(axis: usize, width: usize) -> Vec<SignedIndex> {

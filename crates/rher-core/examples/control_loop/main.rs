@@ -89,7 +89,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let fault = arguments.next().map_or(Ok(Fault::None), |name| Fault::named(&name))?;
     let info = policy.info();
     let spec = EnvSpec::new("arm", info.obs_dim, info.action_dim, 50);
-    let period = Duration::from_millis(40);
+    let rate = policy.control().rate_hz.ok_or("the policy does not say how fast it acts")?;
+    let period = Duration::from_secs_f32(1.0 / rate);
     let limits = Limits { period, latest: 2 * period, patience: 5, action: 0.8, change: 0.4 };
     let desired = Desired::of_task([Position::new(1.3, 0.7, 0.42)]);
     let mut arm = SimulatedArm::new(info.obs_dim, fault);

@@ -6,6 +6,7 @@ use crate::env::{EnvSpec, Permutation, SignedIndex};
 use crate::episode::ActError;
 use crate::goal::{Achieved, Desired, EncodedGoal, Position, Stage};
 use crate::learner::infer::Inference;
+use std::borrow::Cow;
 
 impl Policy {
     /// An actor for environments like `spec`, with buffers of its own.
@@ -26,22 +27,39 @@ impl Policy {
     ///
     /// When the policy is for another number of objects or for other dimensions.
     pub fn actor<const N: usize>(&self, spec: &EnvSpec<N>) -> Result<Actor<'_, N>, Mismatch> {
-        self.info.check_spec(spec)?;
-        Ok(Actor {
-            policy: self,
-            task: self.info.last_stage()?,
-            order: None,
-            reordered: vec![0.0; self.info.obs_dim],
-            input: vec![0.0; self.encoder.width()],
-            inference: Inference::new(&self.shape),
-        })
+        Actor::new(Cow::Borrowed(self), spec)
+    }
+
+    /// An actor that owns its policy, so that a controller can hold it.
+    ///
+    /// ```
+    /// # use rher_core::{Actor, EnvSpec, Mismatch, Policy};
+    /// struct Controller {
+    ///     actor: Actor<'static, 1>,
+    /// }
+    ///
+    /// impl Controller {
+    ///     fn new(policy: Policy) -> Result<Self, Mismatch> {
+    ///         Ok(Self { actor: policy.into_actor(&EnvSpec::new("arm", 25, 4, 50))? })
+    ///     }
+    /// }
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// When the policy is for another number of objects or for other dimensions.
+    pub fn into_actor<const N: usize>(
+        self,
+        spec: &EnvSpec<N>,
+    ) -> Result<Actor<'static, N>, Mismatch> {
+        Actor::new(Cow::Owned(self), spec)
     }
 }
 
 /// Acts with a policy in a scene of `N` objects; nothing is allocated from one action to the next.
 #[derive(Debug)]
 pub struct Actor<'a, const N: usize> {
-    policy: &'a Policy,
+    policy: Cow<'a, Policy>,
     task: Stage<N>,
     /// The order that the whole task is done in, if it is not the given one.
     order: Option<Permutation<N>>,
@@ -51,7 +69,24 @@ pub struct Actor<'a, const N: usize> {
     inference: Inference,
 }
 
-impl<const N: usize> Actor<'_, N> {
+impl<'a, const N: usize> Actor<'a, N> {
+    fn new(policy: Cow<'a, Policy>, spec: &EnvSpec<N>) -> Result<Self, Mismatch> {
+        policy.info.check_spec(spec)?;
+        Ok(Actor {
+            task: policy.info.last_stage()?,
+            order: None,
+            reordered: vec![0.0; policy.info.obs_dim],
+            input: vec![0.0; policy.encoder.width()],
+            inference: Inference::new(&policy.shape),
+            policy,
+        })
+    }
+
+    /// The policy that it acts with.
+    pub fn policy(&self) -> &Policy {
+        &self.policy
+    }
+
     /// The stage that ends the task: what a deployed policy acts for.
     pub fn task(&self) -> Stage<N> {
         self.task
@@ -96,7 +131,7 @@ impl<const N: usize> Actor<'_, N> {
         desired: &Desired<N>,
         action: &mut [f32],
     ) -> Result<(), ActError> {
-        let Policy { info, encoder, parameters, .. } = self.policy;
+        let Policy { info, encoder, parameters, .. } = &*self.policy;
         let PolicyInfo { obs_dim, action_dim, .. } = *info;
         check_length("observation", obs_dim, observation.len())?;
         check_length("action", action_dim, action.len())?;

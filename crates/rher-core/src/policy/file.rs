@@ -4,7 +4,7 @@
 //! so that no damage goes unnoticed. Files of version 1 have none.
 
 use super::info::PolicyInfo;
-use super::model::Policy;
+use super::model::{Interface, Policy};
 use super::run_id::RunId;
 use crate::files::{self, FileError};
 use crate::input::InputEncoder;
@@ -13,6 +13,7 @@ use safetensors::tensor::{Dtype, SafeTensors, TensorView};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Version of the policy file.
 const VERSION: u32 = 2;
@@ -45,6 +46,8 @@ struct Metadata {
     run: Option<RunId>,
     #[serde(rename = "about")]
     info: PolicyInfo,
+    #[serde(default)]
+    interface: Interface,
     shape: Shape,
     encoder: InputEncoder,
 }
@@ -91,6 +94,7 @@ impl Policy {
             version: VERSION,
             run: self.run,
             info: self.info.clone(),
+            interface: (*self.interface).clone(),
             shape: self.shape.clone(),
             encoder: self.encoder.clone(),
         };
@@ -125,7 +129,7 @@ impl Policy {
             .as_ref()
             .and_then(|metadata| metadata.get(METADATA))
             .ok_or_else(|| malformed(format!("its metadata has no `{METADATA}`")))?;
-        let Metadata { crc32: _, version, run, info, shape, encoder } =
+        let Metadata { crc32: _, version, run, info, interface, shape, encoder } =
             serde_json::from_str(description)
                 .map_err(|error| malformed(format!("its metadata: {error}")))?;
         match version {
@@ -163,13 +167,14 @@ impl Policy {
             let (numbers, _) = view.data().as_chunks::<4>();
             parameters.extend(numbers.iter().map(|bytes| f32::from_le_bytes(*bytes)));
         }
-        let policy = Self { info, encoder, shape, parameters, run };
+        let interface = Arc::new(interface);
+        let policy = Self { info, encoder, shape, parameters, run, interface };
         policy.check_widths().map_err(malformed)?;
         Ok(policy)
     }
 
     fn check_widths(&self) -> Result<(), String> {
-        let Self { info, encoder, shape, parameters, run: _ } = self;
+        let Self { info, encoder, shape, parameters, run: _, interface } = self;
         let facts = [
             ("network input", shape.inputs, encoder.width()),
             ("action", shape.outputs, info.action_dim),
@@ -184,6 +189,13 @@ impl Policy {
             return Err(format!(
                 "{subtasks} sub-tasks, {untrained} of them untrained, for {objects} objects"
             ));
+        }
+        let Interface { names, control } = &**interface;
+        let of_names = names.check(info.objects, info.obs_dim, info.action_dim);
+        if let Err((field, found, expected)) =
+            of_names.and(control.check(info.obs_dim, info.action_dim))
+        {
+            return Err(format!("`{field}` has {found}, expected {expected}"));
         }
         encoder.check()?;
         if !(info.reach_distance.is_finite() && info.reach_distance >= 0.0) {

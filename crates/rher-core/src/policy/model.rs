@@ -2,8 +2,13 @@
 
 use super::info::PolicyInfo;
 use super::run_id::RunId;
+use crate::control::Control;
+use crate::env::EnvSpec;
 use crate::input::InputEncoder;
 use crate::learner::network::Shape;
+use crate::names::Names;
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// A frozen actor network with everything it needs to act in a scene.
 ///
@@ -31,6 +36,14 @@ pub struct Policy {
     pub(super) shape: Shape,
     pub(super) parameters: Vec<f32>,
     pub(super) run: Option<RunId>,
+    pub(super) interface: Arc<Interface>,
+}
+
+/// What the numbers of observations and actions are.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Interface {
+    pub(super) names: Names,
+    pub(super) control: Control,
 }
 
 impl Policy {
@@ -41,13 +54,38 @@ impl Policy {
         shape: Shape,
         parameters: Vec<f32>,
     ) -> Self {
-        Self { info, encoder, shape, parameters, run: None }
+        Self { info, encoder, shape, parameters, run: None, interface: Arc::default() }
     }
 
     /// The same policy, which knows the run that it is of.
     #[must_use]
     pub fn of_run(self, run: RunId) -> Self {
         Self { run: Some(run), ..self }
+    }
+
+    /// The same policy, with what another one knows of its numbers.
+    #[cfg(feature = "train")]
+    pub(crate) fn like(self, other: &Self) -> Self {
+        Self { interface: Arc::clone(&other.interface), ..self }
+    }
+
+    /// The same policy, which knows what the numbers of environments like `spec` are.
+    #[must_use]
+    pub fn of_env<const N: usize>(self, spec: &EnvSpec<N>) -> Self {
+        let interface = Interface { names: spec.names.clone(), control: spec.control.clone() };
+        Self { interface: Arc::new(interface), ..self }
+    }
+
+    /// What the numbers that it is given and those that it answers are called; nothing where nobody
+    /// knows, and in files of earlier versions.
+    pub fn names(&self) -> &Names {
+        &self.interface.names
+    }
+
+    /// The rate at which it acted in training, and the units and the frame of its numbers; nothing
+    /// where nobody knows, and in files of earlier versions.
+    pub fn control(&self) -> &Control {
+        &self.interface.control
     }
 
     /// What it was trained for.

@@ -235,6 +235,7 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
         let engine = engines::build(&state.config.agent, learner)?;
         let id = run_id(&state.config, &state.info.variant);
         let [explorer, policy] = policies(&state, &actor_shape, &*engine, id);
+        let policy = policy.of_env(&spec);
         let saved_episodes = replay.pushed();
         Ok(Self {
             state,
@@ -555,8 +556,9 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
 
     /// After any change of the networks or the statistics.
     fn renew_policies(&mut self) {
-        [self.explorer, self.policy] =
-            policies(&self.state, &self.actor_shape, &*self.engine, self.id);
+        let [explorer, policy] = policies(&self.state, &self.actor_shape, &*self.engine, self.id);
+        self.explorer = explorer;
+        self.policy = policy.like(&self.policy);
     }
 
     /// `None` if it was stopped within.

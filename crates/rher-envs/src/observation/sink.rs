@@ -39,12 +39,12 @@ pub trait Sink {
     /// Any other point in the world frame, in meters.
     fn position(&mut self, what: &str, position: Position);
 
-    /// A difference of points, or a velocity.
+    /// A difference of points, in meters; a `velocity`, in meters per step; or the `last_action`.
     fn vector(&mut self, what: &str, vector: Vector3<f32>);
 
-    /// Angles or an angular velocity: their mirror image turns the other way.
+    /// Angles, in radians, or a `spin`, in radians per step: their mirror image turns the other way.
     fn turn(&mut self, what: &str, turn: Vector3<f32>);
 
-    /// One number for each finger.
+    /// One number for each finger: its `opening`, in meters, or its `velocity`, in meters per step.
     fn fingers(&mut self, what: &str, fingers: [f32; 2]);
 }

@@ -256,6 +256,11 @@ impl Gripper {
         self.range = range;
     }
 
+    /// How far an action of 1 moves the point that the hand is after, in meters.
+    pub(super) fn hand_step(&self) -> f32 {
+        self.range.per_step
+    }
+
     /// Turns an action into targets for the rest of the step.
     pub(super) fn aim(&mut self, action: [f32; 4], bodies: &RigidBodySet) {
         let [x, y, z, opening] = action;

@@ -213,6 +213,11 @@ impl World {
         self.state.gripper.can_reach(glam(place.coords), tolerance)
     }
 
+    /// How far an action of 1 moves the point that the hand is after, in meters.
+    pub(crate) fn hand_step(&self) -> f32 {
+        self.state.gripper.hand_step()
+    }
+
     /// The gripper now, as it is seen.
     pub fn grip(&self) -> Grip {
         let mut grip = self.state.gripper.grip(&self.state.bodies);
