@@ -33,7 +33,13 @@ fn a_plot_has_a_line_for_every_method_a_band_for_several_seeds_and_the_published
     let rher = three_and_one();
     rher.ok("plot a1 a2 a3 b1 -o curves.svg");
     let svg = read(&rher, "curves.svg");
-    for text in ["push: success", "rher fast", "her fast", "rher, published", "environment steps"] {
+    for text in [
+        "push: success",
+        "rher fast (n = 3)",
+        "her fast (n = 1)",
+        "rher, published (n = 5)",
+        "environment steps",
+    ] {
         assert!(svg.contains(&format!(">{text}</text>")), "no `{text}` in:\n{svg}");
     }
     // Three seeds here, and five of the authors' for each method.
@@ -41,6 +47,10 @@ fn a_plot_has_a_line_for_every_method_a_band_for_several_seeds_and_the_published
     // The first sub-task is trained in none of these runs.
     assert!(!svg.contains(">reach<"), "{svg}");
     assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
+    assert!(svg.contains("Band: 95 %"), "{svg}");
+    // What the pointer shows.
+    let hint = "<title>2,500 environment steps\nrher, published: 4.0 % [0.0 %, 8.0 %]\n";
+    assert!(svg.contains(hint) && svg.contains("\nher fast: 10.0 %</title>"), "{svg}");
 
     rher.ok("plot a1 -o one.svg --x time --measure iqm");
     let svg = read(&rher, "one.svg");
@@ -70,7 +80,93 @@ fn sub_tasks_have_panels_of_their_own() {
     let rher = Rher::new();
     rher.ok(&format!("train push {TINY} --env-steps 1000 --out run --quiet"));
     rher.ok("plot run");
-    assert!(read(&rher, "curves.svg").contains(">reach<"));
+    assert!(read(&rher, "curves.svg").contains(">push: reach</text>"));
+    rher.ok("plot run --no-subtasks -o success.svg");
+    let svg = read(&rher, "success.svg");
+    assert!(svg.contains(">push: success</text>") && !svg.contains("reach"), "{svg}");
+}
+
+/// Numbers in an attribute of every element with this name.
+fn attributes(svg: &str, element: &str, name: &str) -> Vec<f32> {
+    let lines = svg.lines().filter(|line| line.starts_with(&format!("<{element} ")));
+    let value =
+        |line: &str| line.split_once(&format!(" {name}=\""))?.1.split_once('"')?.0.parse().ok();
+    lines.filter_map(value).collect()
+}
+
+#[test]
+fn panels_stand_in_a_grid_below_a_title() {
+    let rher = Rher::new();
+    let tasks = ["push", "pick", "slide", "reach"];
+    for task in tasks {
+        run(&rher, task, "rher", 1, &[0.0, 0.5, 1.0]);
+        let config =
+            read(&rher, &format!("{task}/config.toml")).replace("\"push\"", &format!("{task:?}"));
+        rher.write(&format!("{task}/config.toml"), config);
+    }
+    let columns = |arguments: &str| {
+        rher.ok(&format!("plot {} --no-subtasks {arguments}", tasks.join(" ")));
+        let svg = read(&rher, "curves.svg");
+        let titles: Vec<&str> =
+            svg.lines().filter(|line| line.contains(": success</text>")).collect();
+        assert_eq!(titles.len(), 4);
+        let mut places = attributes(&titles.join("\n"), "text", "x");
+        places.sort_by(f32::total_cmp);
+        places.dedup();
+        (places.len(), svg)
+    };
+    assert_eq!(columns("").0, 3);
+    assert_eq!(columns("--columns 2").0, 2);
+    let (one, svg) = columns("--columns 1 --title A<B");
+    assert!(one == 1 && svg.contains(">A&lt;B</text>"), "{svg}");
+    assert_eq!(rher.run("plot push --columns 0").status, Some(2));
+}
+
+#[test]
+fn a_line_at_100_percent_is_not_cut_and_a_name_keeps_its_color() {
+    let rher = three_and_one();
+    run(&rher, "whole", "rher", 9, &[1.0, 1.0]);
+    rher.ok("plot whole --x time");
+    let svg = read(&rher, "curves.svg");
+    let line = svg.lines().find(|line| line.contains("#0072b2")).unwrap();
+    let height: f32 =
+        line.split_once("points=\"").unwrap().1.split([',', ' ']).nth(1).unwrap().parse().unwrap();
+    let titles = attributes(&svg, "text", "y");
+    assert!(height > titles[0] + 12.0, "{height} is below the title at {}", titles[0]);
+
+    let ink = |runs: &str, name: &str| {
+        rher.ok(&format!("plot {runs} --x time"));
+        let svg = read(&rher, "curves.svg");
+        let entry = svg.split(&format!(">{name} (n = ")).next().unwrap();
+        let color = entry.rsplit_once("stroke=\"").unwrap().1;
+        color[..7].to_owned()
+    };
+    assert_eq!(ink("b1", "her fast"), ink("a1 a2 b1", "her fast"));
+    assert_eq!(ink("a1 a2 b1", "rher fast"), "#0072b2");
+    assert_ne!(ink("a1 b1", "her fast"), "#0072b2");
+}
+
+#[test]
+fn statistics_are_drawn_and_printed_as_before() {
+    let rher = three_and_one();
+    let printed = rher.ok("stats a1 a2 a3 b1 --json");
+    assert_eq!(rher.ok("stats a1 a2 a3 b1 --json -o profiles.svg"), printed);
+    let svg = read(&rher, "profiles.svg");
+    for text in [
+        "push: final success",
+        "push: reached 95 %",
+        "push: higher final success",
+        "rher fast over her fast",
+        "rher fast (n = 3)",
+    ] {
+        assert!(svg.contains(&format!(">{text}</text>")), "no `{text}` in:\n{svg}");
+    }
+    // Two of three runs reached 95 %, the second one at its last evaluation.
+    assert!(svg.contains("<title>10,000 environment steps\nrher fast: 66.7 %"), "{svg}");
+    assert!(svg.contains("<title>rher fast over her fast: 83.3 %</title>"), "{svg}");
+    rher.ok("stats a1 -o profiles.png");
+    assert!(pixels(&std::fs::read(rher.path("profiles.png")).unwrap()).0 > 1000);
+    assert_eq!(rher.run("stats a1 -o profiles.pdf").status, Some(2));
 }
 
 #[test]

@@ -4,8 +4,8 @@ use crate::exit_code::Status;
 use crate::plot::{Clock, Measure};
 use crate::printer::Verbosity;
 use crate::values::{
-    Assignment, Axis, ExperimentName, Seeds, engine, episodes, method, or_help, picture, precision,
-    preset, rate, recording, task, time, toml_integer, workers,
+    Assignment, Axis, ExperimentName, Seeds, columns, engine, episodes, method, or_help, picture,
+    precision, preset, rate, recording, task, time, toml_integer, workers,
 };
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use rher_core::config::{EngineKind, Method, Precision, Preset};
@@ -547,6 +547,7 @@ Examples:
   rher stats runs/push-rher-fast-*         three seeds, one row
   rher stats runs/push-* --markdown        every method and preset, for a README
   rher stats runs/* --json
+  rher stats runs/push-* -o profiles.svg   performance profiles and comparisons as a picture too
 
 Runs of the same task, method and preset are one group, each a sample of it. Intervals are 95 %
 bootstrap intervals over the runs of a group, from a fixed seed: the same runs give the same output.
@@ -564,6 +565,11 @@ pub(crate) struct StatsArgs {
     /// Print JSON: one object
     #[arg(long)]
     pub(crate) json: bool,
+
+    /// Image file to write, too, with performance profiles and probabilities of improvement; its name
+    /// ends in .svg or .png
+    #[arg(short, long, value_name = "FILE", value_parser = picture())]
+    pub(crate) out: Option<PathBuf>,
 }
 
 #[derive(Debug, Args)]
@@ -571,10 +577,12 @@ pub(crate) struct StatsArgs {
 Examples:
   rher plot runs/push-rher-fast-*          three seeds, one line with a band
   rher plot runs/* --x time -o curves.png  against the wall clock
+  rher plot runs/* --no-subtasks --columns 2 --title 'All tasks'
 
-A row of panels for each task: its success, and that of each sub-task before the last. Runs of the
-same method and preset are one line, with a 95 % bootstrap band where there are several. A run that
-has ended keeps its last success. An SVG file is shown with the fonts of the viewer; a PNG file needs
+For each task a panel of its success, and one of its sub-tasks before the last. Runs of the same
+method and preset are one line, with a 95 % bootstrap band where there are several; the picture says
+how many. A name has the same color in every picture. A run that has ended keeps its last success.
+In an SVG file the pointer shows numbers; it is shown with the fonts of the viewer. A PNG file needs
 none.")]
 pub(crate) struct PlotArgs {
     /// Run folders, each with `config.toml` and `metrics.jsonl`, or plans of `rher sweep`
@@ -592,6 +600,18 @@ pub(crate) struct PlotArgs {
     /// Statistic of several runs that a line shows
     #[arg(long, value_enum, default_value_t = Measure::Mean)]
     pub(crate) measure: Measure,
+
+    /// Panels beside each other [default: at most 3]
+    #[arg(long, value_name = "N", value_parser = columns)]
+    pub(crate) columns: Option<NonZeroUsize>,
+
+    /// Title above the panels
+    #[arg(long, value_name = "TEXT")]
+    pub(crate) title: Option<String>,
+
+    /// Leave out the panels of sub-tasks
+    #[arg(long)]
+    pub(crate) no_subtasks: bool,
 }
 
 #[derive(Debug, Args)]

@@ -289,6 +289,11 @@ pub(crate) fn picture() -> impl TypedValueParser<Value = PathBuf> {
     })
 }
 
+/// Numbers of panels beside each other.
+pub(crate) fn columns(text: &str) -> Result<NonZeroUsize, String> {
+    count(text, 20)
+}
+
 /// Numbers of threads.
 pub(crate) fn workers(text: &str) -> Result<NonZeroUsize, String> {
     count(text, 1024)

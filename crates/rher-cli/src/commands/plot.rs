@@ -2,10 +2,8 @@
 
 use crate::chosen::Chosen;
 use crate::cli::PlotArgs;
-use crate::plot::Figure;
+use crate::plot::{Figure, View};
 use crate::printer::Printer;
-use anyhow::Context as _;
-use rher_core::files;
 
 pub(crate) fn plot(args: &PlotArgs, printer: Printer) -> anyhow::Result<()> {
     let Chosen { groups, unfinished } = Chosen::read(&args.runs, printer)?;
@@ -15,15 +13,15 @@ pub(crate) fn plot(args: &PlotArgs, printer: Printer) -> anyhow::Result<()> {
             "{cells} cells are not done; `rher sweep --status PLAN` lists them"
         ));
     }
-    let drawing = Figure { clock: args.x, measure: args.measure }.draw(&groups);
-    let file = if args.out.extension().is_some_and(|extension| extension == "png") {
-        let image =
-            drawing.image().context("too many tasks for one picture: expected fewer runs")?;
-        image.png()?
-    } else {
-        drawing.svg().into_bytes()
+    let figure = Figure {
+        view: View { clock: args.x, measure: args.measure },
+        title: args.title.clone(),
+        columns: args.columns,
+        subtasks: !args.no_subtasks,
+        running: groups.iter().flat_map(|(_, runs)| runs).filter(|run| run.is_running()).count(),
     };
-    files::replace(&args.out, &file)?;
+    let label = args.title.as_deref().unwrap_or("Learning curves");
+    figure.draw(&groups).write(&args.out, label)?;
     printer.note(format_args!("curves  {}", args.out.display()));
     Ok(())
 }

@@ -5,7 +5,7 @@ use crate::chosen::Chosen;
 use crate::cli::ReportArgs;
 use crate::film::{Animation, Film, SIZE};
 use crate::numbers::{duration, percent, thousands};
-use crate::plot::{Clock, Figure, Measure, escaped};
+use crate::plot::{Clock, Figure, Measure, View, escaped};
 use crate::printer::Printer;
 use crate::trained::Trained;
 use base64::Engine as _;
@@ -33,7 +33,9 @@ pub(crate) fn report(args: &ReportArgs, printer: Printer) -> anyhow::Result<()> 
 
     page.element("h2", "Success");
     for clock in [Clock::Steps, Clock::Time] {
-        page.0 += &Figure { clock, measure: Measure::Mean }.draw(&groups).svg();
+        let view = View { clock, measure: Measure::Mean };
+        let figure = Figure { view, title: None, columns: None, subtasks: true, running: 0 };
+        page.0 += &figure.draw(&groups).svg("Success");
     }
     page.element(
         "p",

@@ -29,7 +29,7 @@ pub(crate) fn summarize(curves: &[Curve], statistic: impl Fn(&[f64]) -> f64) -> 
 }
 
 /// Linear between points, constant outside of them.
-fn value_at(curve: &Curve, time: f64) -> f64 {
+pub(super) fn value_at(curve: &Curve, time: f64) -> f64 {
     let after = curve.partition_point(|point| point.0 <= time);
     let before = curve[after.saturating_sub(1)];
     match curve.get(after) {

@@ -3,8 +3,15 @@
 mod chart;
 mod curves;
 mod figure;
+mod file;
+mod looks;
 mod published;
 pub(crate) mod statistics;
+mod success;
+mod view;
 
-pub(crate) use chart::escaped;
-pub(crate) use figure::{Clock, Figure, Measure};
+pub(crate) use chart::{Axis, Intervals, LinePanel, Panel, Row, Sheet, escaped};
+pub(crate) use curves::Curve;
+pub(crate) use figure::{Figure, by_task};
+pub(crate) use looks::Looks;
+pub(crate) use view::{Clock, Measure, View, name};

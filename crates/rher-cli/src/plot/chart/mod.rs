@@ -1,12 +1,17 @@
-//! Line charts: panels of curves, laid out as lines, areas and words that two writers draw.
+//! Charts: panels of curves and of estimates, laid out as marks that two writers draw.
 
-mod drawing;
+mod axis;
+mod frame;
+mod intervals;
+mod lines;
 mod marks;
-mod panel;
 mod raster;
+mod sheet;
 mod svg;
 
-pub(crate) use drawing::Drawing;
-pub(crate) use marks::Ink;
-pub(crate) use panel::{Axis, Line, Panel};
+pub(crate) use axis::Axis;
+pub(crate) use intervals::{Intervals, Row};
+pub(crate) use lines::{Line, LinePanel, Look};
+pub(crate) use marks::{Dash, Ink};
+pub(crate) use sheet::{Drawing, Panel, Sheet};
 pub(crate) use svg::escaped;

@@ -1,7 +1,7 @@
 //! Drawings as pixels, two for each of theirs, with letters that the program brings along.
 
-use super::drawing::Drawing;
-use super::marks::{AREA_OPACITY, Anchor, DASH, Ink, Mark};
+use super::marks::{AREA_OPACITY, Anchor, DOT, Dash, Ink, Mark, Style};
+use super::sheet::Drawing;
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
 use rher_envs::render::Image;
 use tiny_skia::{
@@ -11,8 +11,14 @@ use tiny_skia::{
 /// Pixels for each pixel of a drawing.
 const SCALE: f32 = 2.0;
 
-/// Letters of 12 pixels, twice as large.
-const LETTERS: RasterHeight = RasterHeight::Size24;
+/// Letters, twice as large as in a drawing.
+const fn letters(style: Style) -> (FontWeight, RasterHeight) {
+    match style {
+        Style::Plain => (FontWeight::Regular, RasterHeight::Size24),
+        Style::Bold => (FontWeight::Bold, RasterHeight::Size24),
+        Style::Title => (FontWeight::Bold, RasterHeight::Size32),
+    }
+}
 
 /// From the upper edge of a letter's box to its base line, as a share of its height.
 const BASE_LINE: f32 = 0.78;
@@ -35,8 +41,9 @@ impl Drawing {
 
 fn draw(mark: &Mark, pixmap: &mut PixmapMut<'_>) {
     match mark {
-        Mark::Stroke { points, ink, width, dashed } => {
-            let dash = dashed.then(|| StrokeDash::new(DASH.to_vec(), 0.0)).flatten();
+        Mark::Stroke { points, ink, width, dash } => {
+            let dash = (*dash != Dash::None).then(|| dash.lengths().to_vec());
+            let dash = dash.and_then(|lengths| StrokeDash::new(lengths, 0.0));
             let stroke =
                 Stroke { width: *width, line_join: LineJoin::Round, dash, ..Stroke::default() };
             if let Some(path) = path(points, false) {
@@ -49,9 +56,14 @@ fn draw(mark: &Mark, pixmap: &mut PixmapMut<'_>) {
                 pixmap.fill_path(&path, &paint, FillRule::Winding, scale(), None);
             }
         }
-        Mark::Words { text, place: [x, y], anchor, ink, bold } => {
-            let weight = if *bold { FontWeight::Bold } else { FontWeight::Regular };
-            let letter = get_raster_width(weight, LETTERS);
+        Mark::Dot { center: [x, y], ink } => {
+            if let Some(path) = PathBuilder::from_circle(*x, *y, DOT) {
+                pixmap.fill_path(&path, &paint(*ink, 1.0), FillRule::Winding, scale(), None);
+            }
+        }
+        Mark::Words { text, place: [x, y], anchor, ink, style } => {
+            let (weight, height) = letters(*style);
+            let letter = get_raster_width(weight, height);
             let width = (letter * text.chars().count()) as f32;
             let left = match anchor {
                 Anchor::Start => 0.0,
@@ -59,25 +71,27 @@ fn draw(mark: &Mark, pixmap: &mut PixmapMut<'_>) {
                 Anchor::End => width,
             };
             let left = x * SCALE - left;
-            let top = (y * SCALE - BASE_LINE * LETTERS.val() as f32).round() as i32;
+            let top = (y * SCALE - BASE_LINE * height.val() as f32).round() as i32;
             for (index, letter_of_text) in text.chars().enumerate() {
                 let left = (left + (letter * index) as f32).round() as i32;
-                put(letter_of_text, weight, [left, top], *ink, pixmap);
+                put(letter_of_text, (weight, height), [left, top], *ink, pixmap);
             }
         }
+        // A file of pixels has nothing that a pointer could find.
+        Mark::Hint { .. } => {}
     }
 }
 
 /// Puts a letter with its upper left corner at a pixel.
 fn put(
     letter: char,
-    weight: FontWeight,
+    (weight, height): (FontWeight, RasterHeight),
     [left, top]: [i32; 2],
     ink: Ink,
     pixmap: &mut PixmapMut<'_>,
 ) {
     let Some(letter) =
-        get_raster(letter, weight, LETTERS).or_else(|| get_raster('?', weight, LETTERS))
+        get_raster(letter, weight, height).or_else(|| get_raster('?', weight, height))
     else {
         return;
     };

@@ -1,17 +1,20 @@
 //! Drawings as SVG, with the letters of whoever shows them.
 
-use super::drawing::Drawing;
-use super::marks::{AREA_OPACITY, Anchor, DASH, Ink, LETTER, Mark};
+use super::lines::Look;
+use super::marks::{AREA_OPACITY, Anchor, DOT, Dash, Ink, LETTER, Mark, Style};
+use super::sheet::Drawing;
 use std::fmt::Write as _;
 
 impl Drawing {
-    /// The drawing as an SVG element.
-    pub(crate) fn svg(&self) -> String {
+    /// The drawing as an SVG element, which says what it shows.
+    pub(crate) fn svg(&self, label: &str) -> String {
         let Self { width, height, marks } = self;
         let mut svg = format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width:.0} {height:.0}\" \
              width=\"{width:.0}\" height=\"{height:.0}\" font-family=\"sans-serif\" \
-             font-size=\"{LETTER}\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n"
+             font-size=\"{LETTER}\" role=\"img\" aria-label=\"{}\">\n\
+             <rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n",
+            escaped(label)
         );
         for mark in marks {
             // A string takes whatever is written.
@@ -21,17 +24,29 @@ impl Drawing {
     }
 }
 
+/// A sample of a line as an SVG element, for legends.
+#[expect(dead_code, reason = "reports will use it")]
+pub(crate) fn sample(look: &Look) -> String {
+    const SIZE: [f32; 2] = [26.0, 8.0];
+    let [width, height] = SIZE;
+    let mut svg = format!("<svg width=\"{width}\" height=\"{height}\" aria-hidden=\"true\">");
+    let line = look.stroke(vec![[0.0, height / 2.0], [width, height / 2.0]]);
+    // A string takes whatever is written.
+    let _ = write(&line, &mut svg);
+    svg + "</svg>"
+}
+
 fn write(mark: &Mark, svg: &mut String) -> std::fmt::Result {
     match mark {
-        Mark::Stroke { points, ink, width, dashed } => {
+        Mark::Stroke { points, ink, width, dash } => {
             write!(
                 svg,
                 "<polyline fill=\"none\" stroke=\"{}\" stroke-width=\"{width}\"",
                 hex(*ink)
             )?;
-            if *dashed {
-                let [on, off] = DASH;
-                write!(svg, " stroke-dasharray=\"{on} {off}\"")?;
+            if *dash != Dash::None {
+                let lengths: Vec<String> = dash.lengths().iter().map(f32::to_string).collect();
+                write!(svg, " stroke-dasharray=\"{}\"", lengths.join(" "))?;
             }
             write!(svg, " stroke-linejoin=\"round\" points=\"")?;
             places(points, svg)
@@ -44,20 +59,39 @@ fn write(mark: &Mark, svg: &mut String) -> std::fmt::Result {
             )?;
             places(points, svg)
         }
-        Mark::Words { text, place: [x, y], anchor, ink, bold } => {
+        Mark::Dot { center: [x, y], ink } => {
+            writeln!(
+                svg,
+                "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{DOT}\" fill=\"{}\"/>",
+                hex(*ink)
+            )
+        }
+        Mark::Words { text, place: [x, y], anchor, ink, style } => {
             let anchor = match anchor {
                 Anchor::Start => "start",
                 Anchor::Middle => "middle",
                 Anchor::End => "end",
             };
-            let weight = if *bold { " font-weight=\"bold\"" } else { "" };
+            let style = match style {
+                Style::Plain => String::new(),
+                Style::Bold => " font-weight=\"bold\"".to_owned(),
+                Style::Title => {
+                    format!(" font-weight=\"bold\" font-size=\"{}\"", Style::Title.size())
+                }
+            };
             writeln!(
                 svg,
-                "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\" fill=\"{}\"{weight}>{}</text>",
+                "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\" fill=\"{}\"{style}>{}</text>",
                 hex(*ink),
                 escaped(text)
             )
         }
+        Mark::Hint { corner: [x, y], size: [width, height], text } => writeln!(
+            svg,
+            "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{width:.1}\" height=\"{height:.1}\" \
+             fill=\"gray\" fill-opacity=\"0\"><title>{}</title></rect>",
+            escaped(text)
+        ),
     }
 }
 
