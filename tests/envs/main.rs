@@ -4,6 +4,7 @@
 #![expect(clippy::print_stdout, reason = "the figures in docs/, which `--nocapture` shows")]
 
 mod blocks;
+mod cameras;
 mod contract;
 mod cue_push;
 mod determinism;

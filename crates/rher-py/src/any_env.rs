@@ -2,8 +2,8 @@
 
 use nalgebra::Point3;
 use rher_core::env::{EnvError, EnvSpec, Start};
-use rher_core::goal::{Achieved, Desired, EncodedGoal, Position};
-use rher_envs::thing::Thing;
+use rher_core::goal::{Achieved, Desired, EncodedGoal, Position, Scene};
+use rher_envs::render::{Camera, Image, Renderer, Viewpoint, scene};
 use rher_envs::{
     EnvVisitor, OptionError, Options, Simulated, Task, achieved_goal, reward_of_goals,
 };
@@ -61,8 +61,8 @@ pub(crate) trait AnyEnv: Send {
     /// Returns to a snapshot; false if it is of an environment of another task or with other options.
     fn restore(&mut self, snapshot: &Snapshot) -> bool;
 
-    /// Everything that can be seen, marks for the goals last, and how many of them are marks.
-    fn things(&self) -> (Vec<Thing>, usize);
+    /// A picture of this moment of an episode that was started.
+    fn picture(&mut self, renderer: &mut Renderer) -> Result<Image, EnvError>;
 
     /// Rewards for rows of achieved and desired goals.
     fn rewards(&self, achieved: &[f32], desired: &[f32]) -> Vec<f32>;
@@ -91,6 +91,8 @@ struct Shown<E, const N: usize> {
     env: E,
     desired: Desired<N>,
     frame: Frame,
+    /// Chosen when the first picture is drawn.
+    camera: Option<Camera>,
 }
 
 impl<E: Simulated<N>, const N: usize> Shown<E, N> {
@@ -103,7 +105,8 @@ impl<E: Simulated<N>, const N: usize> Shown<E, N> {
             reward: 0.0,
             success: false,
         };
-        Self { env, desired: Desired::of_task([Position::origin(); N]), frame }
+        let desired = Desired::of_task([Position::origin(); N]);
+        Self { env, desired, frame, camera: None }
     }
 
     fn show(&mut self, achieved: &Achieved<N>) {
@@ -162,10 +165,16 @@ impl<E: Simulated<N>, const N: usize> AnyEnv for Shown<E, N> {
         restored
     }
 
-    fn things(&self) -> (Vec<Thing>, usize) {
-        let marks = self.env.goals(&self.desired);
-        let count = marks.len();
-        ([self.env.things(), marks].concat(), count)
+    fn picture(&mut self, renderer: &mut Renderer) -> Result<Image, EnvError> {
+        let objects = read(&self.frame.achieved);
+        let now = Achieved(Scene { gripper: objects[0], objects });
+        let camera = if let Some(camera) = self.camera {
+            camera
+        } else {
+            let start = Start { achieved: now, desired: self.desired };
+            *self.camera.insert(Viewpoint::default().camera(&mut self.env, &start)?)
+        };
+        Ok(renderer.draw(&camera, &scene(&mut self.env, &now, &self.desired)))
     }
 
     fn rewards(&self, achieved: &[f32], desired: &[f32]) -> Vec<f32> {

@@ -10,7 +10,7 @@ use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple, PyType};
 use rher_core::seed::{Purpose, Seed};
-use rher_envs::render::{Camera, Renderer};
+use rher_envs::render::Renderer;
 use rher_envs::{Options, Task};
 use std::num::NonZeroU16;
 use std::sync::{Mutex, MutexGuard, TryLockError};
@@ -226,11 +226,8 @@ impl Env {
             return Err(StateError::new_err("there is nothing to see before the first reset"));
         }
         let renderer = renderer.get_or_insert_with(|| Renderer::new([width, height]));
-        let (things, marks) = env.things();
-        let image = unlocked(py, || {
-            let camera = Camera::above_table(&things[..things.len() - marks]);
-            renderer.draw(&camera, &things)
-        })?;
+        let image = unlocked(py, || env.picture(renderer))?;
+        let image = image.map_err(|error| StateError::new_err(told(&error)))?;
         PyArray1::from_vec(py, image.rgb).reshape([image.height, image.width, 3])
     }
 

@@ -2,8 +2,8 @@
 
 use super::depth::Corner;
 use super::faces::Surface;
-use crate::thing::{Form, Role, Thing};
-use nalgebra::{Matrix3, Point3, Vector3};
+use super::room::Room;
+use nalgebra::{Matrix3, Vector2, Vector3};
 use rher_core::goal::Position;
 
 /// What is nearer to the eye than this is not seen, in meters.
@@ -16,62 +16,63 @@ pub struct Camera {
     pub eye: Position,
     /// What is in the middle of the picture; not right above or below the eye.
     pub focus: Position,
-    /// How much of the world the height of the picture shows, in radians.
+    /// How much of the world the height of a picture of 4 by 3 shows, in radians; a wider picture
+    /// shows more at its sides, a narrower one more above and below.
     pub field_of_view: f32,
 }
 
 impl Camera {
-    /// Over the robot's right shoulder: x goes to the right, y to the left, both away; the table
-    /// fills the picture, with room for a hand above what stands on it.
-    pub fn above_table(things: &[Thing]) -> Self {
-        /// From the focus to the eye, if the table were as wide as its diagonal is one meter.
-        const BACK: Vector3<f32> = Vector3::new(-0.80, -0.98, 0.95);
-        /// How much higher than the table the middle of the picture is, in meters.
-        const HIGHER: f32 = 0.09;
-        let (top, diagonal) = table(things).unwrap_or((Position::new(1.3, 0.75, 0.4), 0.86));
-        let tallest = tallest(things, top.z);
-        let focus = top + Vector3::z() * (HIGHER + tallest / 2.0);
-        Self { eye: focus + BACK * diagonal * (1.0 + tallest), focus, field_of_view: 0.44 }
+    /// How much of the world the height of the picture of [`facing`](Self::facing) shows, in
+    /// radians.
+    const FIELD_OF_VIEW: f32 = 0.44;
+
+    /// A camera in this direction from the middle of a room, as near as it can be with the whole
+    /// room in a picture of 4 by 3. The direction is not vertical.
+    pub fn facing(from_room: Vector3<f32>, room: &Room) -> Self {
+        let focus = room.middle();
+        let axes = axes(&-from_room);
+        let half = half_size(Self::FIELD_OF_VIEW);
+        let distances = room.corners().map(|corner| {
+            let seen = axes * (corner - focus);
+            (seen.x.abs() / half.x).max(seen.y.abs() / half.y) - seen.z
+        });
+        let distance = distances.into_iter().fold(0.0, f32::max);
+        let eye = focus + from_room.normalize() * distance;
+        Self { eye, focus, field_of_view: Self::FIELD_OF_VIEW }
     }
 
     /// This camera in front of a picture of this many samples.
-    #[expect(
-        clippy::disallowed_methods,
-        reason = "what is drawn is looked at, and nothing is computed from it"
-    )]
     pub(super) fn view(&self, width: usize, height: usize) -> View {
-        let forward = (self.focus - self.eye).normalize();
-        let right = forward.cross(&Vector3::z()).normalize();
-        let down = forward.cross(&right);
         let middle = [width as f32 / 2.0, height as f32 / 2.0];
         View {
             eye: self.eye,
-            to_camera: Matrix3::from_rows(&[right, down, forward].map(|axis| axis.transpose())),
+            to_camera: axes(&(self.focus - self.eye)),
             middle,
-            scale: middle[1] / (self.field_of_view / 2.0).tan(),
+            scale: middle[1].min(middle[0] / ASPECT) / half_size(self.field_of_view).y,
         }
     }
 }
 
-/// The middle of the table's top and the length of its diagonal.
-fn table(things: &[Thing]) -> Option<(Position, f32)> {
-    let table = things.iter().find(|thing| thing.name == "table")?;
-    let Form::Box(half) = table.shapes.first()?.form else { return None };
-    let top = table.pose * Point3::new(0.0, 0.0, half.z);
-    Some((top, 2.0 * half.xy().norm()))
+/// Width over height of a picture that shows the field of view and no more.
+const ASPECT: f32 = 4.0 / 3.0;
+
+/// Rows: to the right, down, forward.
+fn axes(forward: &Vector3<f32>) -> Matrix3<f32> {
+    let forward = forward.normalize();
+    let right = forward.cross(&Vector3::z()).normalize();
+    let down = forward.cross(&right);
+    Matrix3::from_rows(&[right, down, forward].map(|axis| axis.transpose()))
 }
 
-/// How far the boxes that nothing moves rise above the height of the table's top, in meters.
-fn tallest(things: &[Thing], top: f32) -> f32 {
-    let fixed = things.iter().filter(|thing| thing.role == Role::Fixed);
-    let shapes = fixed.flat_map(|thing| thing.shapes.iter().map(move |shape| (thing, shape)));
-    let rises = shapes.filter_map(|(thing, shape)| {
-        let Form::Box(half) = shape.form else { return None };
-        let pose = thing.pose * shape.pose;
-        let upright = pose.rotation.to_rotation_matrix().matrix().row(2).abs();
-        Some(pose.translation.z + upright.tr_dot(&half) - top)
-    });
-    rises.fold(0.0, f32::max)
+/// Half the width and half the height of what a picture of 4 by 3 shows at a distance of 1 meter, in
+/// meters.
+#[expect(
+    clippy::disallowed_methods,
+    reason = "what is drawn is looked at, and nothing is computed from it"
+)]
+fn half_size(field_of_view: f32) -> Vector2<f32> {
+    let half = (field_of_view / 2.0).tan();
+    Vector2::new(ASPECT * half, half)
 }
 
 /// From the world to samples and back.

@@ -2,6 +2,7 @@
 
 use super::depth::{Corner, DepthBuffer, NONE};
 use super::faces::{self, Surface};
+use super::scene::ARM;
 use crate::thing::{Role, Thing};
 use nalgebra::{Matrix3, Vector3};
 use rher_core::goal::Position;
@@ -9,14 +10,17 @@ use rher_core::goal::Position;
 /// Samples along each edge of the map of what is in the light.
 const MAP: usize = 448;
 
-/// From the world towards the light.
-const TOWARDS: Vector3<f32> = Vector3::new(-0.35, 0.30, 1.0);
+/// From the world towards the light: nearly from above, so that a shadow shows where a thing is.
+const TOWARDS: Vector3<f32> = Vector3::new(-0.14, 0.12, 1.0);
+
+/// From the world towards where the sky is brightest.
+const SKY: Vector3<f32> = Vector3::new(-0.42, 0.22, 0.88);
 
 /// How bright the light is.
-const DIRECT: f32 = 0.62;
+const DIRECT: f32 = 0.52;
 
-/// Brightness of what comes from below, and from above.
-const AROUND: [f32; 2] = [0.22, 0.45];
+/// Brightness of what comes from all around, on the dark side and on that of the sky.
+const AROUND: [f32; 2] = [0.16, 0.54];
 
 /// How much nearer to the light something has to be to throw a shadow, in meters.
 const BIAS: f32 = 0.003;
@@ -46,11 +50,13 @@ impl Light {
 
     /// Finds out what is in the light.
     ///
-    /// Tables throw no shadow that anyone sees, and marks none at all.
+    /// Tables throw no shadow that anyone sees, marks none at all, and that of an arm would hide
+    /// where the hand is.
     pub(super) fn shine_on(&mut self, things: &[Thing]) {
         self.map.clear();
-        let casters =
-            || things.iter().filter(|thing| thing.role != Role::Mark && thing.name != "table");
+        let casts =
+            |thing: &&Thing| thing.role != Role::Mark && thing.name != "table" && thing.name != ARM;
+        let casters = || things.iter().filter(casts);
         let mut box_of_all = [Vector3::repeat(f32::INFINITY), Vector3::repeat(f32::NEG_INFINITY)];
         for thing in casters() {
             each_face(thing, |_, corners| {
@@ -87,8 +93,8 @@ impl Light {
     /// The linear color of a surface at a place on it.
     pub(super) fn shade(&self, surface: &Surface, place: &Position) -> Vector3<f32> {
         let normal = surface.normal(place);
-        let [below, above] = AROUND;
-        let around = below + (above - below) * f32::midpoint(normal.z, 1.0);
+        let [dark, bright] = AROUND;
+        let around = dark + (bright - dark) * f32::midpoint(normal.dot(&SKY), 1.0);
         let towards = self.axes.row(2).transpose();
         let direct = DIRECT * normal.dot(&towards).max(0.0);
         let lit = if direct > 0.0 { self.lit(&(place + normal * BIAS)) } else { 0.0 };

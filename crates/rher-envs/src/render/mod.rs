@@ -1,27 +1,37 @@
 //! Pictures of a world, drawn by the processor alone.
 //!
 //! ```
-//! use rher_envs::render::{Camera, Renderer};
-//! use rher_envs::{Simulated as _, Simulation, tasks::Push};
+//! use rher_core::env::Env as _;
+//! use rher_envs::render::{Renderer, Viewpoint, scene};
+//! use rher_envs::{Simulation, tasks::Push};
 //! use std::num::NonZeroU16;
 //!
-//! let env = Simulation::<Push, 1>::new();
+//! let mut env = Simulation::<Push, 1>::new();
+//! let mut observation = vec![0.0; env.spec().obs_dim];
+//! let start = env.reset(7, &mut observation)?;
+//! let camera = Viewpoint::Corner.camera(&mut env, &start)?;
 //! let size = [320, 240].map(|pixels| NonZeroU16::new(pixels).expect("not 0"));
-//! let things = env.things();
-//! let image = Renderer::new(size).draw(&Camera::above_table(&things), &things);
+//! let image = Renderer::new(size).draw(&camera, &scene(&mut env, &start.achieved, &start.desired));
 //! assert_eq!(image.rgb.len(), 320 * 240 * 3);
 //! assert!(image.png()?.starts_with(b"\x89PNG"));
-//! # Ok::<(), rher_envs::render::PngError>(())
+//! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
 mod camera;
 mod depth;
 mod faces;
 mod image;
+mod letters;
 mod light;
+mod room;
+mod scene;
+mod viewpoint;
 
 pub use camera::Camera;
 pub use image::{Image, PngError};
+pub use room::Room;
+pub use scene::scene;
+pub use viewpoint::Viewpoint;
 
 use crate::thing::{Role, Thing};
 use camera::View;
@@ -36,7 +46,11 @@ use std::num::NonZeroU16;
 const SAMPLES: usize = 2;
 
 /// How much of a mark is still seen behind other things.
-const BEHIND: f32 = 0.4;
+const BEHIND: f32 = 0.3;
+
+/// How far behind other things a mark has faded so far, in meters: not at once, since a mark may lie
+/// on the surface of a thing.
+const FADED: f32 = 0.012;
 
 /// Colors at the bottom and at the top of what is behind everything (linear).
 const BACKGROUND: [Vector3<f32>; 2] =
@@ -124,23 +138,32 @@ impl Renderer {
         sum / samples.len() as f32
     }
 
-    /// Paints marks over the color of a pixel.
+    /// Paints marks over the color of a pixel: a surface is shaded once for samples in a row.
     fn put_marks_on(&self, view: &View, samples: &[[usize; 2]], color: &mut Vector3<f32>) {
-        let mut mark = None;
+        let mut paint = Vector3::zeros();
         let mut opacity = 0.0;
+        let mut last = (NONE, Vector3::zeros());
         for &[x, y] in samples {
-            let (id, closer) = self.marks.at(x, y);
-            if id != NONE {
-                let is_seen = closer >= self.solid.at(x, y).1;
-                let seen = if is_seen { 1.0 } else { BEHIND };
-                opacity += seen * self.surfaces[id as usize].opacity;
-                mark.get_or_insert((id, x, y, closer));
+            let (id, nearness) = self.marks.at(x, y);
+            if id == NONE {
+                continue;
             }
+            if id != last.0 {
+                last = (id, self.shade(id, view, x, y, nearness));
+            }
+            let share = self.surfaces[id as usize].opacity * self.seen(x, y, nearness);
+            paint += last.1 * share;
+            opacity += share;
         }
-        if let Some((id, x, y, nearness)) = mark {
-            let paint = self.shade(id, view, x, y, nearness);
-            *color += (paint - *color) * (opacity / samples.len() as f32);
-        }
+        let count = samples.len() as f32;
+        *color = *color * (1.0 - opacity / count) + paint / count;
+    }
+
+    /// How much of a mark is seen in a sample: less behind what is solid.
+    fn seen(&self, x: usize, y: usize, nearness: f32) -> f32 {
+        let (id, solid) = self.solid.at(x, y);
+        let behind = if id == NONE { 0.0 } else { 1.0 / nearness - 1.0 / solid };
+        1.0 - (1.0 - BEHIND) * (behind / FADED).clamp(0.0, 1.0)
     }
 
     /// The color of a surface in a sample.
