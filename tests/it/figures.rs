@@ -15,7 +15,7 @@ fn read(rher: &Rher, name: &str) -> String {
 }
 
 /// Width, height and colors.
-fn pixels(file: &[u8]) -> (u32, u32, Vec<[u8; 3]>) {
+pub(crate) fn pixels(file: &[u8]) -> (u32, u32, Vec<[u8; 3]>) {
     let mut reader = png::Decoder::new(Cursor::new(file)).read_info().unwrap();
     let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
     let info = reader.next_frame(&mut bytes).unwrap();
@@ -24,7 +24,7 @@ fn pixels(file: &[u8]) -> (u32, u32, Vec<[u8; 3]>) {
     (info.width, info.height, colors.collect())
 }
 
-fn count(pixels: &[[u8; 3]], fits: impl Fn(&[u8; 3]) -> bool) -> usize {
+pub(crate) fn count(pixels: &[[u8; 3]], fits: impl Fn(&[u8; 3]) -> bool) -> usize {
     pixels.iter().filter(|pixel| fits(pixel)).count()
 }
 
@@ -204,24 +204,6 @@ fn what_cannot_be_drawn_or_written_leaves_no_file() {
         std::fs::read_dir(rher.path("")).unwrap().map(|entry| entry.unwrap().file_name()).collect();
     names.sort();
     assert_eq!(names, ["a1", "a2", "a3", "b1", "out.html"]);
-}
-
-#[test]
-fn play_draws_every_step_and_a_moving_picture() {
-    let rher = Rher::new();
-    rher.ok(&format!("train cue-push {TINY} --env-steps 500 --out run --quiet"));
-    rher.ok("play run --episodes 2 --gif two.gif --png-dir steps");
-    let gif = std::fs::read(rher.path("two.gif")).unwrap();
-    assert!(gif.starts_with(b"GIF89a") && gif.ends_with(b";"), "{} bytes", gif.len());
-    assert!(gif.len() < 400_000, "{} bytes", gif.len());
-    let files = std::fs::read_dir(rher.path("steps")).unwrap().count();
-    assert_eq!(files, 2 * (20 + 1));
-    let (width, height, colors) =
-        pixels(&std::fs::read(rher.path("steps/episode-001-step-020.png")).unwrap());
-    assert_eq!((width, height), (400, 300));
-    assert!(count(&colors, |[r, g, b]| *r > 120 && *g < 90 && *b < 90) > 50, "a red cylinder");
-    let ran = rher.run("play run --gif nowhere/x.gif");
-    assert_eq!(ran.status, Some(6), "{ran}");
 }
 
 #[test]

@@ -8,6 +8,7 @@ mod cli;
 mod datasets;
 mod determinism;
 mod figures;
+mod films;
 mod identity;
 mod learning;
 #[cfg(feature = "live")]

@@ -1,6 +1,7 @@
 //! The command line: clap types, nothing else.
 
 use crate::exit_code::Status;
+use crate::film::{FilmFile, PictureSize, camera, film, size};
 use crate::plot::{Clock, Measure};
 use crate::printer::Verbosity;
 use crate::values::{
@@ -10,6 +11,7 @@ use crate::values::{
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use rher_core::config::{EngineKind, Method, Precision, Preset};
 use rher_envs::Task;
+use rher_envs::render::Viewpoint;
 use rher_record::export::DatasetId;
 use rher_runs::Asked;
 use std::num::{NonZeroU64, NonZeroUsize};
@@ -447,7 +449,8 @@ pub(crate) struct EvalArgs {
 Examples:
   rher play runs/push-rher-fast-1 --episodes 10
   rher play runs/push-rher-fast-1 --mcap push.mcap
-  rher play runs/push-rher-fast-1 --gif push.gif
+  rher play runs/push-rher-fast-1 --film push.gif
+  rher play runs/push-rher-fast-1 --film push.mp4 --camera close --size 1280x720 --trim
 
 A recording opens in Foxglove or Lichtblick without set-up. The 3D panel shows the scene, the goals,
 the hindsight goals (the end of the episode) and the goals of the current stage; `/frame` and `/action`
@@ -469,13 +472,46 @@ pub(crate) struct PlayArgs {
     #[arg(long, value_name = "FILE", value_parser = recording())]
     pub(crate) mcap: Option<PathBuf>,
 
-    /// Draw the episodes as one animation, in this GIF file
-    #[arg(long, value_name = "FILE")]
-    pub(crate) gif: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) pictures: PictureArgs,
+}
+
+#[derive(Debug, Args)]
+#[command(group(ArgGroup::new("drawn").args(["film", "png_dir"]).multiple(true)))]
+pub(crate) struct PictureArgs {
+    /// Draw the episodes as one film: .gif, .mp4 or .webm
+    ///
+    /// The last two are made by `ffmpeg`, which has to be on PATH.
+    #[arg(long, visible_alias = "gif", value_name = "FILE", value_parser = film())]
+    pub(crate) film: Option<FilmFile>,
 
     /// Draw every step as a PNG file in this folder
     #[arg(long, value_name = "DIR")]
     pub(crate) png_dir: Option<PathBuf>,
+
+    /// From where to draw: `close` is `corner`, but as near as each episode allows
+    #[arg(
+        long,
+        value_name = "NAME",
+        default_value = Viewpoint::Corner.name(),
+        value_parser = camera(),
+        requires = "drawn"
+    )]
+    pub(crate) camera: Viewpoint,
+
+    /// Width and height of pictures, in pixels
+    #[arg(
+        long,
+        value_name = "WxH",
+        default_value = "400x300",
+        value_parser = size,
+        requires = "drawn"
+    )]
+    pub(crate) size: PictureSize,
+
+    /// Cut each episode of the film shortly after its success
+    #[arg(long, requires = "film")]
+    pub(crate) trim: bool,
 }
 
 #[derive(Debug, Args)]

@@ -2,13 +2,13 @@
 
 use crate::cli::PlayArgs;
 use crate::exit_code::Status;
-use crate::film::Pictures;
+use crate::film::{Pictures, solved};
 use crate::host::Stop;
 use crate::printer::Printer;
 use crate::tables::{table, text};
 use crate::trained::Trained;
 use rher_core::evaluate::{Played, final_distance, play as play_episode};
-use rher_core::goal::{EncodedGoal, Tolerances};
+use rher_core::goal::Tolerances;
 use rher_core::seed::Seed;
 use rher_envs::{EnvVisitor, Simulated};
 use rher_record::{Player, RecordingFile, RecordingInfo, Source, layout_beside};
@@ -38,7 +38,7 @@ impl EnvVisitor for Play<'_> {
         trained.describe(&mut info)?;
         let recording = args.mcap.as_ref().map(|path| RecordingFile::create(path, &info));
         let mut recording = recording.transpose()?;
-        let mut pictures = Pictures::new(args.gif.as_ref(), args.png_dir.as_ref())?;
+        let mut pictures = Pictures::new(&args.pictures, build(), trained.task, reach_distance)?;
         let mut player = Player::new(build(), reach_distance);
         let stop = Stop::listen(
             move |line| printer.note(line),
@@ -51,7 +51,7 @@ impl EnvVisitor for Play<'_> {
                 recording.add(&player.messages(&script, recording.next())?)?;
             }
             if let Some(pictures) = &mut pictures {
-                pictures.add(number, &player.play(&played.script(number, None))?.seen)?;
+                pictures.add(number, played)?;
             }
             Ok(())
         };
@@ -71,7 +71,7 @@ impl EnvVisitor for Play<'_> {
         }
         let lines = lines?;
         if let Some(pictures) = pictures {
-            pictures.finish()?;
+            pictures.finish(printer)?;
         }
         printer.data(&lines)?;
         Ok(if stop.is_asked() { stop.status() } else { Status::Success })
@@ -106,11 +106,7 @@ fn play_all<const N: usize, E: Simulated<N>>(
 
 /// Whether an episode ended well, and from which step on all was well.
 fn success<const N: usize>(played: &Played<N>, tolerances: &Tolerances<N>) -> [String; 2] {
-    let Played { stage, episode, .. } = played;
-    let solved = episode.achieved.iter().map(|achieved| {
-        EncodedGoal::new(*stage, achieved, &episode.desired).is_met(achieved, tolerances)
-    });
-    let solved: Vec<bool> = solved.collect();
+    let solved = solved(played, tolerances);
     match solved.iter().rposition(|solved| !solved) {
         Some(unsolved) if unsolved + 1 == solved.len() => ["no".to_owned(), "–".to_owned()],
         unsolved => ["yes".to_owned(), unsolved.map_or(0, |step| step + 1).to_string()],

@@ -3,7 +3,7 @@
 use super::stats::{NOTE, Stats, sections};
 use crate::chosen::Chosen;
 use crate::cli::ReportArgs;
-use crate::film::{Animation, Film, SIZE};
+use crate::film::{Animation, Film};
 use crate::numbers::{duration, percent, thousands};
 use crate::plot::{Clock, Figure, Measure, View, escaped};
 use crate::printer::Printer;
@@ -86,14 +86,9 @@ fn has_policy(folder: &Path) -> bool {
 /// The first evaluation episode of a run's policy, as a GIF file.
 fn film(folder: &Path) -> anyhow::Result<Vec<u8>> {
     let trained = Trained::load(folder)?;
-    let film = Film {
-        policy: &trained.policy,
-        test_policy: trained.test_policy(),
-        episodes: 1,
-        size: SIZE,
-    };
-    let episodes = trained.task.visit_with(&trained.options, film)??;
-    let animation = Animation::of(&episodes.concat())?;
+    let (task, policy, test_policy) = (trained.task, &trained.policy, trained.test_policy());
+    let footage = task.visit_with(&trained.options, Film { task, policy, test_policy })??;
+    let animation = Animation::of(&footage.images)?;
     Ok(animation.map(Animation::finish).transpose()?.unwrap_or_default())
 }
 

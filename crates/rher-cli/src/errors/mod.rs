@@ -1,6 +1,7 @@
 //! Every error that a user can see, with its exit status and its hint.
 
 mod files;
+mod films;
 mod learner;
 mod program;
 mod recordings;
@@ -16,6 +17,7 @@ pub(crate) use report::Report;
 pub(crate) use sweeps::NoCellNumber;
 
 use crate::exit_code::Status;
+use crate::film::VideoError;
 use crate::printer::StdoutError;
 use report::explain;
 use rher_core::evaluate::EvaluateError;
@@ -64,6 +66,7 @@ const KNOWN: &[fn(&(dyn Error + 'static)) -> Option<Report>] = &[
     #[cfg(feature = "live")]
     explain::<rher_record::LiveError>,
     explain::<FileError>,
+    explain::<VideoError>,
     explain::<StdoutError>,
     explain::<ForeignTask>,
     explain::<NoDatasetId>,
