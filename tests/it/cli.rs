@@ -538,7 +538,7 @@ fn a_run_leaves_its_folder_behind() {
     exit 5
     error: `runs/reach-rher-fast-1` already holds a run
 
-    hint: `rher train --resume runs/reach-rher-fast-1` continues it; `--out DIR` starts a run elsewhere
+    hint: `rher train --resume runs/reach-rher-fast-1 --env-steps N` continues it; `--out DIR` starts a run elsewhere
     ");
 }
 

@@ -56,8 +56,26 @@ fn runs_are_listed_with_their_state() {
             ["runs/push-rher-fast-1", "push", "spent"],
         ]
     );
+    for reads in ["stats runs/c", "plot runs/c -o c.svg", "report runs/c -o c.html"] {
+        let says = rher.run(reads).stderr;
+        assert!(
+            says.contains("`runs/c` is still running; this is what it did until step "),
+            "{says}"
+        );
+    }
+    for reads in ["eval runs/c --episodes 1", "play runs/c", "eval runs/c/policy.safetensors"] {
+        let says = rher.run(reads).stderr;
+        assert!(says.contains("`runs/c` is still running; this is its policy of step "), "{says}");
+    }
     running.interrupt();
     running.end();
+    assert_eq!(rher.run("eval runs/c --episodes 1").stderr, "");
+    for wrong in ["eval runs/d", "stats runs/d", "train --resume runs/d", "train push --from d"] {
+        let says = rher.run(wrong).stderr;
+        assert!(says.contains("there are `runs/a/b`, `runs/c`, `runs/push-rher-fast-1`"), "{says}");
+    }
+    let says = rher.run("train push").stderr;
+    assert!(says.contains("`rher train --resume runs/push-rher-fast-1 --env-steps N`"), "{says}");
     let listing = rher.ok("runs");
     assert!(listing.contains("stopped") && listing.contains("her fast"), "{listing}");
     assert!(rher.run("runs nowhere").to_string().contains("`nowhere`"));

@@ -3,6 +3,7 @@
 use crate::cells::{Row, State, rows};
 use crate::numbers::thousands;
 use crate::printer::Printer;
+use crate::running::note_evaluations;
 use crate::tables::table;
 use comfy_table::Table;
 use rher_runs::sweep::Plan;
@@ -27,6 +28,7 @@ impl Chosen {
         let (mut runs, mut unfinished) = (Vec::new(), Vec::new());
         for path in paths {
             if !path.is_file() {
+                note_evaluations(path, printer);
                 runs.push(Run::read(path)?);
                 continue;
             }

@@ -20,6 +20,7 @@ mod numbers;
 mod observe;
 mod plot;
 mod printer;
+mod running;
 mod program;
 mod tables;
 mod tips;

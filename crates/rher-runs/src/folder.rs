@@ -154,7 +154,7 @@ fn has_no_locks(error: &io::Error) -> bool {
 }
 
 /// Whether a process trains in this folder; never, where the file system has no locks.
-pub(crate) fn is_in_use(path: &Path) -> bool {
+pub fn is_in_use(path: &Path) -> bool {
     let lock = File::open(path.join(LOCK_FILE)).ok();
     lock.is_some_and(|lock| matches!(lock.try_lock_shared(), Err(TryLockError::WouldBlock)))
 }

@@ -15,7 +15,7 @@ pub mod sweep;
 pub use config_file::{CONFIG_FILE, ConfigFile, ConfigFileError};
 pub use difference::{OtherSettings, difference};
 pub use files::{RunFiles, RunFilesError};
-pub use folder::{RunDir, RunDirError};
+pub use folder::{RunDir, RunDirError, is_in_use};
 pub use listing::{Listed, State, list};
 pub use machine::Machine;
 pub use metrics::{Evaluation, METRICS_FILE, MetricsError, MetricsFile, read_evaluations};

@@ -5,6 +5,7 @@ use crate::failure::{Failure, Failures};
 use crate::host::threads;
 use crate::numbers::percent;
 use crate::printer::Printer;
+use crate::running::note_policy;
 use crate::tables::{table, text};
 use crate::trained::Trained;
 use rher_core::config::{EvaluationConfig, TestPolicy};
@@ -42,6 +43,7 @@ struct EvalReport {
 pub(crate) fn eval(args: &EvalArgs, printer: Printer) -> anyhow::Result<()> {
     let EvalArgs { path, episodes, seed, set, workers, json } = args;
     let trained = Trained::load(path)?;
+    note_policy(path, printer);
     let set: Vec<_> = set.iter().map(|it| (it.key.clone(), it.value.clone())).collect();
     let options = settings::resolve_options(trained.task, &trained.options, &set)?;
     let episodes = episodes.get();

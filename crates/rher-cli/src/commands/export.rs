@@ -6,6 +6,7 @@ use crate::exit_code::Status;
 use crate::host::Stop;
 use crate::numbers::thousands;
 use crate::printer::Printer;
+use crate::running::note_policy;
 use crate::trained::{Trained, unfinished};
 use rher_core::evaluate::play;
 use rher_core::seed::Seed;
@@ -27,6 +28,7 @@ pub(crate) fn export(args: &ExportArgs, printer: Printer) -> anyhow::Result<Stat
         convert(args, printer, &stop)?
     } else {
         let trained = Trained::load(&args.path)?;
+        note_policy(&args.path, printer);
         let (task, options) = (trained.task, trained.options.clone());
         task.visit_with(&options, PlayAll { trained, args, stop: &stop })??
     };

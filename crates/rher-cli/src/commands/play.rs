@@ -5,6 +5,7 @@ use crate::exit_code::Status;
 use crate::film::{Pictures, solved};
 use crate::host::Stop;
 use crate::printer::Printer;
+use crate::running::note_policy;
 use crate::tables::{table, text};
 use crate::trained::Trained;
 use rher_core::evaluate::{Played, final_distance, play as play_episode};
@@ -15,6 +16,7 @@ use rher_record::{Player, RecordingFile, RecordingInfo, Source, layout_beside};
 
 pub(crate) fn play(args: &PlayArgs, printer: Printer) -> anyhow::Result<Status> {
     let trained = Trained::load(&args.path)?;
+    note_policy(&args.path, printer);
     let (task, options) = (trained.task, trained.options.clone());
     task.visit_with(&options, Play { trained, args, printer })?
 }

@@ -1,6 +1,7 @@
 //! Training, checkpoints and policies.
 
 use super::report::{Explain, Report};
+use super::runs::and_there;
 use crate::exit_code::Status;
 use rher_core::episode::RolloutError;
 use rher_core::evaluate::EvaluateError;
@@ -49,7 +50,8 @@ impl Explain for PretrainedError {
     fn report(&self) -> Option<Report> {
         match self {
             Self::NoCheckpoint { .. } => {
-                Some(Report::new(Status::RunFolder, "give a folder that `rher train` made"))
+                let hint = and_there("give a folder that `rher train` made");
+                Some(Report::new(Status::RunFolder, hint))
             }
             Self::Checkpoint(CheckpointError::Version { .. }) => Some(Report::new(
                 Status::Damaged,
@@ -127,7 +129,7 @@ impl Explain for PolicyError {
                 if source.kind() == io::ErrorKind::NotFound =>
             {
                 let hint = "give a run folder that has a policy, or a policy file";
-                Some(Report::new(Status::RunFolder, hint))
+                Some(Report::new(Status::RunFolder, and_there(hint)))
             }
             Self::File(error) => error.report(),
             _ => None,
