@@ -128,13 +128,30 @@ fn a_finished_run_says_so_and_can_be_taken_further() {
     exit 0
     `run` is finished: it took all of its steps, after 500 steps
 
-    hint: `--env-steps N` or `--until RATE` with a higher value continues it
+    hint: `rher train --resume run --env-steps N` with more steps continues it
     ");
     assert_eq!(rher.ok("train --quiet --resume run --env-steps 1000"), "");
     let steps: Vec<_> = rher.metrics("run").iter().map(|line| line["env_steps"].clone()).collect();
     assert_eq!(steps, [250, 500, 750, 1000]);
     let config = fs::read_to_string(rher.path("run/config.toml")).unwrap();
     assert!(config.contains("env_steps = 1000\n"), "{config}");
+}
+
+#[test]
+fn a_solved_run_goes_on_to_more_steps_when_it_is_asked_to() {
+    let rher = Rher::new();
+    // Some of the blocks are where they should go.
+    let few = TINY.replace("--until 0 ", "--until 0.01 ");
+    let few = few.replace("evaluation.episodes=5", "evaluation.episodes=60");
+    rher.ok(&format!("train push --quiet --env-steps 5000 {few} --out run"));
+    let steps = rher.metrics("run").last().unwrap()["env_steps"].as_u64().unwrap();
+    assert!(steps < 5000, "{steps}");
+    let says = rher.run(&format!("train --resume run --env-steps {steps}")).stderr;
+    assert!(says.contains("is finished: it reached its success rate"), "{says}");
+    let more = steps + 500;
+    let says = rher.run(&format!("train --resume run --env-steps {more}")).stderr;
+    assert!(says.contains("all steps taken after"), "{says}");
+    assert_eq!(rher.metrics("run").last().unwrap()["env_steps"], more);
 }
 
 #[test]

@@ -180,6 +180,8 @@ pub(crate) struct TrainArgs {
 
     /// Resume the run in this folder, as if it had never stopped
     ///
+    /// A run that is at its end goes on to more steps with --env-steps, also if it was solved.
+    ///
     /// The settings come from the checkpoint; only --workers, --quiet, --record-every,
     /// --tensorboard, --max-wall, --engine, --precision, --env-steps and --until may be given with it.
     #[arg(

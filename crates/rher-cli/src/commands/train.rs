@@ -184,12 +184,7 @@ impl EnvVisitor for Session {
                         before.name()
                     ));
                 }
-                if let Some(env_steps) = env_steps {
-                    trainer.set_env_steps(env_steps);
-                }
-                if let Some(until) = until {
-                    trainer.set_until(until);
-                }
+                change_end(&mut trainer, env_steps, until, printer);
                 (folder, trainer)
             }
         };
@@ -255,6 +250,30 @@ impl EnvVisitor for Session {
         };
         let left = max_wall.map(|time| time.saturating_sub(started.elapsed()));
         run(trainer, watch, left, printer)
+    }
+}
+
+/// Changes when a run ends. One that was solved goes on to the steps that are asked for, unless a
+/// success rate is asked for as well.
+fn change_end<const N: usize, E: Simulated<N>>(
+    trainer: &mut Trainer<N, E>,
+    env_steps: Option<u64>,
+    until: Option<f32>,
+    printer: Printer,
+) {
+    let is_solved = trainer.finished() == Some(Finish::Solved);
+    if let Some(env_steps) = env_steps {
+        trainer.set_env_steps(env_steps);
+        if is_solved && until.is_none() && env_steps > trainer.progress().env_steps {
+            printer.note(format_args!(
+                "the run reached its success rate before; it continues to {} steps",
+                thousands(env_steps)
+            ));
+            trainer.set_until(0.0);
+        }
+    }
+    if let Some(until) = until {
+        trainer.set_until(until);
     }
 }
 
@@ -328,10 +347,10 @@ fn already_finished(finish: Finish, folder: &RunDir, progress: Progress) -> Stri
         Finish::Solved => "it reached its success rate",
         Finish::StepsSpent | Finish::Stopped => "it took all of its steps",
     };
+    let path = folder.path().display();
     format!(
-        "`{}` is finished: {end}, after {steps} steps\n\n\
-         hint: `--env-steps N` or `--until RATE` with a higher value continues it",
-        folder.path().display()
+        "`{path}` is finished: {end}, after {steps} steps\n\n\
+         hint: `rher train --resume {path} --env-steps N` with more steps continues it"
     )
 }
 
