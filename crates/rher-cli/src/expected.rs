@@ -1,148 +1,146 @@
 //! When a run is expected to be solved.
 
+use crate::published::{Published, PublishedRun};
 use rher_core::config::{Method, Preset, TrainConfig};
-use rher_envs::Task;
-use serde::Serialize;
 
-/// A published run of the preset `fast`, at the end of which it was solved.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub(crate) struct End {
+/// Evaluations whose mean counts: one alone is noisy.
+const SMOOTHED: usize = 3;
+
+/// Levels that differ by less, in percent, are the same.
+const SAME: f64 = 2.0;
+
+/// What one evaluation of a run found.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Found {
     pub(crate) env_steps: u64,
-    /// Seconds on one core.
-    pub(crate) wall_s: u64,
+    /// Mean success of all sub-tasks, in percent.
+    pub(crate) mean: f64,
+    /// Whether the whole task reached the success rate that ends the run.
+    pub(crate) reached: bool,
 }
 
-const fn end_after(env_steps: u64, wall_s: u64) -> End {
-    End { env_steps, wall_s }
-}
-
-/// The published runs of a task.
-pub(crate) struct Published {
-    task: Task,
-    /// Success rate in two consecutive evaluations at which they ended.
-    pub(crate) until: f32,
-    /// In increasing order.
-    pub(crate) ends: &'static [End],
-}
-
-/// The runs in `docs/archive/runs/<TASK>-target-seed*`.
-const PUBLISHED: [Published; 13] = {
-    const fn of(task: Task, until: f32, ends: &'static [End]) -> Published {
-        Published { task, until, ends }
-    }
-    [
-        of(Task::REACH, 0.95, &[end_after(1_000, 1)]),
-        of(
-            Task::PUSH,
-            0.95,
-            &[
-                end_after(10_000, 25),
-                end_after(10_000, 25),
-                end_after(10_000, 26),
-                end_after(12_500, 31),
-                end_after(12_500, 32),
-            ],
-        ),
-        of(
-            Task::PICK,
-            0.95,
-            &[
-                end_after(12_500, 32),
-                end_after(12_500, 32),
-                end_after(12_500, 36),
-                end_after(15_000, 38),
-                end_after(20_000, 53),
-            ],
-        ),
-        of(Task::SLIDE, 0.9, &[end_after(95_000, 246)]),
-        of(Task::INSERT, 0.95, &[end_after(12_500, 32)]),
-        of(Task::OBSTACLE_PUSH, 0.95, &[end_after(37_500, 100)]),
-        of(Task::DRAWER, 0.95, &[end_after(7_500, 20)]),
-        of(Task::CUE_PUSH, 0.95, &[end_after(3_000, 18)]),
-        of(
-            Task::DPUSH,
-            0.95,
-            &[end_after(33_000, 80), end_after(33_000, 88), end_after(51_000, 121)],
-        ),
-        of(
-            Task::STACK,
-            0.95,
-            &[end_after(51_000, 124), end_after(57_000, 146), end_after(57_000, 149)],
-        ),
-        of(
-            Task::DRAWER_BOX,
-            0.95,
-            &[end_after(102_000, 134), end_after(108_000, 144), end_after(168_000, 212)],
-        ),
-        of(Task::TPUSH, 0.95, &[end_after(147_000, 261), end_after(224_000, 377)]),
-        of(Task::TSTACK, 0.95, &[end_after(280_000, 952)]),
-    ]
-};
-
-/// What is published of a task, if anything.
-pub(crate) fn published(task: Task) -> Option<&'static Published> {
-    PUBLISHED.iter().find(|published| published.task == task)
-}
-
-/// Steps after which such runs were solved, in increasing order; `None` where nobody knows.
-pub(crate) fn usual(config: &TrainConfig) -> Option<Vec<u64>> {
-    let Published { until, ends, .. } = published(config.task.parse().ok()?)?;
+/// The published runs that a run with these settings can be compared with, if there are any.
+pub(crate) fn usual(config: &TrainConfig) -> Option<Published> {
+    let published = Published::of(&config.task)?;
     let is_usual = config.preset == Preset::Fast && config.relay.method == Method::Rher;
-    let ends_there = config.until > 0.0 && config.until <= *until;
-    (is_usual && ends_there).then(|| ends.iter().map(|end| end.env_steps).collect())
+    let ends_there = config.until > 0.0 && config.until <= published.until;
+    (is_usual && ends_there).then_some(published)
 }
 
-/// The step at which a run at `now` will be solved, at a guess, with an evaluation every `interval`
-/// steps; `solved` says whether the latest one reached the success rate, which takes two.
-pub(crate) fn end(usual: &[u64], now: u64, interval: u64, solved: bool) -> u64 {
-    if solved {
-        return (now / interval + 1) * interval;
+/// The step at which a run will be solved, at a guess, from all of its evaluations; `interval` is
+/// the steps from one to the next.
+///
+/// A published run tells what is left from where it stood on the same level: the mean success of all
+/// sub-tasks, in the best three consecutive evaluations so far. If this run has stayed on its level
+/// for some steps, the other one is that much further, too, but not further than it stayed on that
+/// level itself; what this run has stayed longer, it is expected to stay once more. The guess is the
+/// median over the published runs.
+pub(crate) fn end(published: &Published, found: &[Found], interval: u64) -> u64 {
+    let Some(last) = found.last() else { return median(published.ends()) };
+    if last.reached {
+        // One more evaluation, if that reaches the rate as well.
+        return last.env_steps + interval * 3 / 2;
     }
-    let later: Vec<u64> = usual.iter().copied().filter(|steps| *steps >= now + interval).collect();
-    // Half of the runs that took longer; later than all of them, the longer the longer it took.
-    later.get(later.len() / 2).copied().unwrap_or(now + (now / 4).max(2 * interval))
+    let mine = levels(found.iter().map(|found| found.mean));
+    let level = mine[mine.len() - 1];
+    let since = mine.iter().position(|it| *it >= level - SAME).unwrap_or(0);
+    let stayed = last.env_steps - found[since].env_steps;
+    let left = published.runs.iter().map(|run| left(run, level, stayed).max(2 * interval));
+    last.env_steps + median(left.collect())
+}
+
+/// Steps that a published run took from a level to its end, after as many steps on the level as
+/// `stayed`.
+fn left(run: &PublishedRun, level: f64, stayed: u64) -> u64 {
+    let levels = levels(run.course.iter().map(|rate| f64::from(*rate)));
+    let steps = |evaluation: usize| run.interval * (evaluation as u64 + 1);
+    let Some(first) = levels.iter().position(|it| *it >= level - SAME) else { return stayed };
+    let last = levels.iter().rposition(|it| *it <= level + SAME).unwrap_or(first).max(first);
+    let (here, leaves) = (steps(first) + stayed, steps(last));
+    if here <= leaves { run.env_steps() - here } else { run.env_steps() - leaves + (here - leaves) }
+}
+
+/// The best mean of consecutive evaluations so far, at each of them.
+fn levels(means: impl Iterator<Item = f64>) -> Vec<f64> {
+    let means: Vec<f64> = means.collect();
+    let mut best = 0.0_f64;
+    let level = |end: usize| {
+        let latest = &means[(end + 1).saturating_sub(SMOOTHED)..=end];
+        best = best.max(latest.iter().sum::<f64>() / latest.len() as f64);
+        best
+    };
+    (0..means.len()).map(level).collect()
+}
+
+/// The middle one, or the mean of the two in the middle.
+fn median(mut numbers: Vec<u64>) -> u64 {
+    numbers.sort_unstable();
+    let middle = numbers.len() / 2;
+    if numbers.len().is_multiple_of(2) {
+        u64::midpoint(numbers[middle - 1], numbers[middle])
+    } else {
+        numbers[middle]
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rher_runs::read_evaluations;
+
+    fn published(courses: &[&[u8]]) -> Published {
+        let run =
+            |course: &&[u8]| PublishedRun { interval: 10, wall_s: 1, course: course.to_vec() };
+        Published { until: 0.95, runs: courses.iter().map(run).collect() }
+    }
+
+    /// Evaluations every ten steps.
+    fn found(means: &[f64]) -> Vec<Found> {
+        let found = |(index, mean): (usize, &f64)| Found {
+            env_steps: 10 * (index as u64 + 1),
+            mean: *mean,
+            reached: *mean >= 95.0,
+        };
+        means.iter().enumerate().map(found).collect()
+    }
 
     #[test]
-    fn runs_end_as_others_did_and_later_ones_later() {
-        let usual = [10_000, 12_500, 15_000];
-        assert_eq!(end(&usual, 0, 2_500, false), 12_500);
-        assert_eq!(end(&usual, 10_000, 2_500, false), 15_000);
-        assert_eq!(end(&usual, 10_000, 2_500, true), 12_500);
-        assert_eq!(end(&usual, 40_000, 2_500, false), 50_000);
+    fn before_its_first_evaluation_a_run_ends_as_others_did() {
+        let runs = published(&[&[0; 4], &[0; 5], &[0; 9]]);
+        assert_eq!(end(&runs, &[], 10), 50);
+        assert_eq!(end(&published(&[&[0; 4], &[0; 6]]), &[], 10), 50);
+    }
+
+    #[test]
+    fn a_run_that_is_ahead_ends_sooner() {
+        let runs = published(&[&[0, 0, 20, 40, 60, 80, 90, 96, 96]]);
+        let at = |means: &[f64]| end(&runs, &found(means), 10);
+        assert_eq!(at(&[0.0, 0.0, 20.0]), 90);
+        assert!(at(&[20.0, 60.0]) < 90);
+        assert!(at(&[0.0, 0.0, 0.0, 0.0, 0.0, 20.0]) > 90);
+    }
+
+    #[test]
+    fn a_run_that_stays_on_a_level_longer_than_others_is_expected_to_stay() {
+        let runs = published(&[&[50, 50, 50, 50, 96, 96]]);
+        let at = |evaluations: usize| end(&runs, &found(&vec![50.0; evaluations]), 10);
+        assert_eq!([at(1), at(3)], [60, 60]);
+        // Four evaluations longer, four more to stay, and two to the end.
+        assert_eq!(at(8), 80 + 40 + 20);
+    }
+
+    #[test]
+    fn the_rate_has_to_be_reached_once_more() {
+        let runs = published(&[&[50, 96, 96]]);
+        assert_eq!(end(&runs, &found(&[50.0, 60.0, 96.0]), 10), 45);
     }
 
     #[test]
     fn only_the_usual_settings_have_usual_ends() {
         let config = |preset: Preset| preset.config("push", 1);
         assert!(usual(&config(Preset::Fast)).is_some());
-        assert_eq!(usual(&config(Preset::Paper)), None);
-        assert_eq!(usual(&TrainConfig { until: 0.0, ..config(Preset::Fast) }), None);
-        assert_eq!(usual(&Preset::Fast.config("mine", 1)), None);
-    }
-
-    #[test]
-    fn what_is_published_is_in_the_archive() {
-        let runs = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/archive/runs");
-        for Published { task, until, ends } in PUBLISHED {
-            let prefix = format!("{task}-target-seed");
-            let mut solved = Vec::new();
-            for folder in std::fs::read_dir(runs).unwrap().map(|entry| entry.unwrap().path()) {
-                if folder.file_name().unwrap().to_str().unwrap().starts_with(&prefix) {
-                    let evaluations = read_evaluations(&folder, None).unwrap();
-                    let until = until.into();
-                    let mut two = evaluations.windows(2);
-                    let two = two.find(|two| two.iter().all(|it| it.reaches(until))).unwrap();
-                    solved.push(end_after(two[1].env_steps, two[1].wall_s.round() as u64));
-                }
-            }
-            solved.sort_by_key(|end| (end.env_steps, end.wall_s));
-            assert_eq!(solved, ends, "{task}");
-        }
+        assert!(usual(&config(Preset::Paper)).is_none());
+        assert!(usual(&TrainConfig { until: 0.0, ..config(Preset::Fast) }).is_none());
+        assert!(usual(&TrainConfig { until: 0.99, ..config(Preset::Fast) }).is_none());
+        assert!(usual(&Preset::Fast.config("mine", 1)).is_none());
     }
 }

@@ -1,9 +1,9 @@
 //! `rher tasks`: what can be learned.
 
 use crate::cli::TasksArgs;
-use crate::expected::{End, published};
 use crate::numbers::{percent, range_of_steps};
 use crate::printer::Printer;
+use crate::published::{Published, PublishedRun};
 use crate::tables::{table, text};
 use rher_core::goal::EncodedGoal;
 use rher_envs::{EnvVisitor, Simulated, Task};
@@ -42,7 +42,14 @@ struct TaskFacts {
 struct Solved {
     /// Success rate in two consecutive evaluations at which they ended.
     until: f32,
-    runs: &'static [End],
+    runs: Vec<End>,
+}
+
+#[derive(Serialize)]
+struct End {
+    env_steps: u64,
+    /// Seconds on one core.
+    wall_s: u64,
 }
 
 struct Describe(Task);
@@ -54,7 +61,11 @@ impl EnvVisitor for Describe {
         let env = build();
         let spec = env.spec();
         let names = spec.names.clone();
-        let solved = published(self.0).map(|it| Solved { until: it.until, runs: it.ends });
+        let end = |run: PublishedRun| End { env_steps: run.env_steps(), wall_s: run.wall_s };
+        let solved = Published::of(self.0.name()).map(|Published { until, runs }| {
+            let runs = runs.into_iter().map(end).collect();
+            Solved { until, runs }
+        });
         TaskFacts {
             name: spec.name.clone(),
             about: self.0.about(),

@@ -196,11 +196,10 @@ impl EnvVisitor for Session {
         }
         let files = RunFiles::new(folder, &trainer)?;
         let (folder, settings) = (files.folder(), files.settings());
-        let latest = match trainer.evaluations() {
-            0 => None,
-            _ => read_evaluations(folder.path(), Some(trainer.id()))?.pop(),
+        let evaluations = match trainer.evaluations() {
+            0 => Vec::new(),
+            _ => read_evaluations(folder.path(), Some(trainer.id()))?,
         };
-        let latest = latest.map(|latest| latest.success);
         finish_recordings(folder, printer)?;
         if let Some(finish) = trainer.finished() {
             // Its last policy may be missing, where a stop fell between two files.
@@ -232,7 +231,7 @@ impl EnvVisitor for Session {
         };
         let names = settings.config.task.parse().map_or_else(|_| Vec::new(), Task::subtasks);
         let course = Course::new(trainer.config(), names, trainer.spec().episode_steps);
-        let progress = ProgressView::new(printer, course, trainer.progress(), latest.as_deref());
+        let progress = ProgressView::new(printer, course, trainer.progress(), &evaluations);
         let started_at = trainer.progress().env_steps;
         let events = tensorboard.then(|| EventFile::create(folder.path(), started_at));
         if let Some((_, pulse)) = &claim {
@@ -326,7 +325,7 @@ fn run<const N: usize, E: Simulated<N>>(
     }
     printer.note(summary(finish, &trainer, watch.last.as_ref(), watch.files.folder()));
     if finish != Finish::Stopped && !is_cell {
-        printer.note(format_args!("`rher play {} --gif policy.gif` shows it", path.display()));
+        printer.note(format_args!("`rher play {} --film policy.gif` shows it", path.display()));
     }
     if finish == Finish::Stopped {
         printer.note(if is_cell {

@@ -1,10 +1,12 @@
 //! Those who watch a run.
 
+mod course;
 mod progress;
 mod recorder;
 mod tensorboard;
 
-pub(crate) use progress::{Course, ProgressView};
+pub(crate) use course::Course;
+pub(crate) use progress::ProgressView;
 pub(crate) use recorder::Recorder;
 pub(crate) use tensorboard::EventFile;
 

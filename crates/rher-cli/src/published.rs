@@ -1,0 +1,108 @@
+//! Runs that are published, as others can be compared with them while they are trained.
+
+/// The runs in `docs/archive/runs/<TASK>-target-seed*`, one on a line: task, success rate in two
+/// consecutive evaluations at which it ended, steps from one evaluation to the next, seconds on one
+/// core, and for each evaluation the mean success of all sub-tasks in percent.
+const RUNS: &str = include_str!("published.txt");
+
+/// Published runs of a task with the preset `fast`, the shortest first.
+pub(crate) struct Published {
+    /// Success rate in two consecutive evaluations at which they ended.
+    pub(crate) until: f32,
+    /// At least one.
+    pub(crate) runs: Vec<PublishedRun>,
+}
+
+/// A published run, until it was solved.
+#[derive(Debug, PartialEq)]
+pub(crate) struct PublishedRun {
+    /// Steps from one evaluation to the next.
+    pub(crate) interval: u64,
+    /// Seconds on one core.
+    pub(crate) wall_s: u64,
+    /// Mean success of all sub-tasks in each evaluation, in percent.
+    pub(crate) course: Vec<u8>,
+}
+
+impl PublishedRun {
+    /// Steps after which it was solved.
+    pub(crate) fn env_steps(&self) -> u64 {
+        self.interval * self.course.len() as u64
+    }
+}
+
+impl Published {
+    /// The runs of a task; `None` if none is published.
+    pub(crate) fn of(task: &str) -> Option<Self> {
+        let mut published: Option<Self> = None;
+        for line in RUNS.lines() {
+            let (name, until, run) = read(line).expect("a test reads every line");
+            if name == task {
+                let so_far = published.get_or_insert(Self { until, runs: Vec::new() });
+                so_far.runs.push(run);
+            }
+        }
+        published
+    }
+
+    /// Steps after which they were solved, in increasing order.
+    pub(crate) fn ends(&self) -> Vec<u64> {
+        self.runs.iter().map(PublishedRun::env_steps).collect()
+    }
+}
+
+fn read(line: &str) -> Option<(&str, f32, PublishedRun)> {
+    let mut words = line.split(' ');
+    let (name, until) = (words.next()?, words.next()?.parse().ok()?);
+    let (interval, wall_s) = (words.next()?.parse().ok()?, words.next()?.parse().ok()?);
+    let course = words.map(|rate| rate.parse().ok()).collect::<Option<Vec<u8>>>()?;
+    Some((name, until, PublishedRun { interval, wall_s, course }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rher_runs::{Evaluation, read_evaluations};
+    use std::path::Path;
+
+    /// A line for the run in a folder of the archive.
+    fn line(folder: &Path) -> (u64, u64, String) {
+        let name = folder.file_name().unwrap().to_str().unwrap();
+        let task = name.split_once("-target-").unwrap().0;
+        let until = if task == "slide" { 0.9 } else { 0.95 };
+        let mut evaluations = read_evaluations(folder, None).unwrap();
+        let mut two = evaluations.windows(2);
+        let end = two.position(|two| two.iter().all(|it| it.reaches(until))).unwrap();
+        evaluations.truncate(end + 2);
+        let mean = |evaluation: &Evaluation| {
+            let trained: Vec<f64> = evaluation.success.iter().flatten().copied().collect();
+            let mean = trained.iter().sum::<f64>() / trained.len() as f64;
+            format!("{:.0}", (100.0 * mean + 1e-9).round())
+        };
+        let course: Vec<String> = evaluations.iter().map(mean).collect();
+        let (interval, last) = (evaluations[0].env_steps, &evaluations[end + 1]);
+        let seconds = last.wall_s.round() as u64;
+        let course = course.join(" ");
+        (last.env_steps, seconds, format!("{task} {until} {interval} {seconds} {course}\n"))
+    }
+
+    #[test]
+    fn what_is_published_is_in_the_archive() {
+        let runs = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/archive/runs");
+        let folders = std::fs::read_dir(runs).unwrap().map(|entry| entry.unwrap().path());
+        let of_today = folders.filter(|path| path.to_str().unwrap().contains("-target-seed"));
+        let mut lines: Vec<_> = of_today.map(|folder| line(&folder)).collect();
+        lines.sort();
+        let tasks = rher_envs::Task::ALL.iter().map(|task| task.name());
+        let of_task = |task| {
+            let begins = format!("{task} ");
+            lines.iter().filter(move |(.., line)| line.starts_with(&begins))
+        };
+        let expected: String = tasks.flat_map(of_task).map(|(.., line)| line.as_str()).collect();
+        assert_eq!(RUNS, expected);
+        for line in RUNS.lines() {
+            let (.., run) = read(line).unwrap();
+            assert!(run.interval > 0 && !run.course.is_empty(), "{line}");
+        }
+    }
+}
