@@ -16,6 +16,7 @@ mod live;
 mod newcomers;
 mod options;
 mod own_task;
+mod page;
 mod plans;
 mod pretrained;
 mod python;
