@@ -15,6 +15,7 @@ mod paint;
 mod part;
 mod player;
 mod read;
+mod recorder;
 mod records;
 mod schemas;
 #[cfg(test)]
@@ -27,3 +28,4 @@ pub use info::{InfoError, RecordingInfo, Source};
 pub use live::{Live, LiveError};
 pub use player::{PlayError, Played, Player};
 pub use read::{ReadError, Recorded, Recording, Sent};
+pub use recorder::{Recorder, RecorderError};

@@ -11,6 +11,7 @@ mod pretrained;
 mod run;
 pub mod settings;
 pub mod sweep;
+mod tensorboard;
 
 pub use config_file::{CONFIG_FILE, ConfigFile, ConfigFileError};
 pub use difference::{OtherSettings, difference};
@@ -22,3 +23,4 @@ pub use metrics::{Evaluation, METRICS_FILE, MetricsError, MetricsFile, read_eval
 pub use pretrained::read_pretrained;
 pub use run::{Group, Groups, Repeated, Run, RunError};
 pub use settings::{Asked, Settings, SettingsError};
+pub use tensorboard::EventFile;

@@ -7,7 +7,7 @@ use crate::flops;
 use crate::host::{Stop, end_with_parent, threads};
 use crate::jobs::{Job, holds_run};
 use crate::numbers::{duration, percent, thousands};
-use crate::observe::{Course, EventFile, ProgressView, Recorder, Watch};
+use crate::observe::{Course, ProgressView, Watch};
 use crate::printer::Printer;
 use crate::trained::made_with;
 use rher_core::config::{EngineKind, Precision, TrainConfig};
@@ -18,9 +18,11 @@ use rher_core::train::{Finish, Pretrained, Trainer};
 use rher_envs::{EnvVisitor, Simulated, Task};
 #[cfg(feature = "live")]
 use rher_record::{Live, Player};
-use rher_record::{RecordingFile, RecordingInfo, Source};
+use rher_record::{Recorder, RecordingFile, RecordingInfo, Source};
 use rher_runs::sweep::{Claim, Guard, Pulse};
-use rher_runs::{RunDir, RunFiles, Settings, read_evaluations, read_pretrained, settings};
+use rher_runs::{
+    EventFile, RunDir, RunFiles, Settings, read_evaluations, read_pretrained, settings,
+};
 use std::num::{NonZeroU64, NonZeroUsize};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -214,7 +216,7 @@ impl EnvVisitor for Session {
                     RecordingInfo::new(env.spec(), Source::Training, *seed, relay.reach_distance);
                 info.run = Some(trainer.id());
                 info.config = settings::to_toml(settings)?;
-                Some(Recorder::new(every, folder, info, env))
+                Some(Recorder::new(every, folder.path(), info, env))
             }
             None => None,
         };

@@ -2,20 +2,16 @@
 
 mod course;
 mod progress;
-mod recorder;
-mod tensorboard;
 
 pub(crate) use course::Course;
 pub(crate) use progress::ProgressView;
-pub(crate) use recorder::Recorder;
-pub(crate) use tensorboard::EventFile;
 
-use recorder::RecorderError;
 use rher_core::event::{Event, Metrics, Observer, ObserverError};
 use rher_core::files::FileError;
 use rher_envs::Simulated;
-use rher_runs::RunFiles;
+use rher_record::{Recorder, RecorderError};
 use rher_runs::sweep::{Guard, Pulse};
+use rher_runs::{EventFile, RunFiles};
 
 /// Writes metrics down, shows progress and records episodes.
 pub(crate) struct Watch<E, const N: usize> {

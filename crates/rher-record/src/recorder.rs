@@ -1,15 +1,16 @@
 //! Recordings of training episodes, exploration included.
 
+use crate::file::RecordingFile;
+use crate::info::RecordingInfo;
+use crate::player::{PlayError, Player};
 use rher_core::explore::ActionLog;
 use rher_core::files::FileError;
 use rher_envs::Simulated;
-use rher_record::{PlayError, Player, RecordingFile, RecordingInfo};
-use rher_runs::RunDir;
 use std::num::NonZeroU64;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Records every K-th training episode in the folder of its run.
-pub(crate) struct Recorder<E, const N: usize> {
+pub struct Recorder<E, const N: usize> {
     every: NonZeroU64,
     folder: PathBuf,
     info: RecordingInfo,
@@ -19,27 +20,30 @@ pub(crate) struct Recorder<E, const N: usize> {
 }
 
 /// An episode is not recorded.
-pub(crate) enum RecorderError {
+#[derive(Debug, thiserror::Error)]
+pub enum RecorderError {
     /// The file cannot be written.
+    #[error(transparent)]
     Write(FileError),
     /// The episode cannot be played again.
+    #[error(transparent)]
     Play(PlayError),
 }
 
 impl<const N: usize, E: Simulated<N>> Recorder<E, N> {
     /// A recorder that plays episodes again in `env`.
-    pub(crate) fn new(every: NonZeroU64, folder: &RunDir, info: RecordingInfo, env: E) -> Self {
+    pub fn new(every: NonZeroU64, folder: &Path, info: RecordingInfo, env: E) -> Self {
         let player = Player::new(env, info.reach_distance);
-        Self { every, folder: folder.path().to_owned(), info, player, file: None }
+        Self { every, folder: folder.to_owned(), info, player, file: None }
     }
 
     /// The first episode of the run, and then every K-th.
-    pub(crate) fn wants(&self, episode: u64) -> bool {
+    pub fn wants(&self, episode: u64) -> bool {
         episode.is_multiple_of(self.every.get())
     }
 
     /// Records an episode.
-    pub(crate) fn record(&mut self, script: &ActionLog) -> Result<(), RecorderError> {
+    pub fn record(&mut self, script: &ActionLog) -> Result<(), RecorderError> {
         let file = match &mut self.file {
             Some(file) => file,
             empty => {
@@ -54,12 +58,12 @@ impl<const N: usize, E: Simulated<N>> Recorder<E, N> {
     }
 
     /// Stops after an error; the file that keeps the whole episodes, if there are any.
-    pub(crate) fn stop(self) -> Option<PathBuf> {
+    pub fn stop(self) -> Option<PathBuf> {
         self.file.and_then(RecordingFile::keep_whole)
     }
 
     /// Gives the recording its name; how many episodes are in it, and where it is.
-    pub(crate) fn finish(self) -> Result<Option<(u64, PathBuf)>, FileError> {
+    pub fn finish(self) -> Result<Option<(u64, PathBuf)>, FileError> {
         self.file.map(|file| Ok((file.episodes(), file.finish()?))).transpose()
     }
 }

@@ -22,7 +22,7 @@ const VERSION: &str = "brain.Event:2";
 
 /// One event file, open at its end.
 #[derive(Debug)]
-pub(crate) struct EventFile {
+pub struct EventFile {
     path: PathBuf,
     file: File,
 }
@@ -30,7 +30,7 @@ pub(crate) struct EventFile {
 impl EventFile {
     /// A new file in a run folder, of training from `env_steps` on: `TensorBoard` forgets what
     /// earlier files say of later steps.
-    pub(crate) fn create(run: &Path, env_steps: u64) -> Result<Self, FileError> {
+    pub fn create(run: &Path, env_steps: u64) -> Result<Self, FileError> {
         let folder = run.join(FOLDER);
         std::fs::create_dir_all(&folder).map_err(FileError::write(&folder))?;
         let now = since_epoch();
@@ -56,7 +56,7 @@ impl EventFile {
     }
 
     /// Writes one event with every number of `metrics`.
-    pub(crate) fn append(&mut self, metrics: &Metrics) -> Result<(), FileError> {
+    pub fn append(&mut self, metrics: &Metrics) -> Result<(), FileError> {
         let mut summary = Message::default();
         let value = serde_json::to_value(metrics).map_err(|error| self.failed(error.into()))?;
         each_number("", &value, &mut |tag, number| {
