@@ -3,6 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 #![expect(clippy::print_stdout, reason = "the figures in docs/, which `--nocapture` shows")]
 
+mod beginnings;
 mod blocks;
 mod cameras;
 mod contract;

@@ -12,19 +12,51 @@ pub fn achieved_goal<const N: usize>(spec: &EnvSpec<N>, achieved: &Achieved<N>) 
     }
 }
 
-/// The reward of the last sub-task where `achieved` is the [`achieved_goal`] and `desired` says
-/// where the objects should be: −1 or 0.
-pub fn reward_of_goals<const N: usize>(
-    spec: &EnvSpec<N>,
-    achieved: [Position; N],
-    desired: [Position; N],
-) -> f32 {
-    let scene = match spec.last_stage().leg() {
-        // What is to be reached stays where it is.
-        Leg::Reach => Scene { gripper: achieved[0], objects: desired },
-        Leg::Place => Scene { gripper: Position::origin(), objects: achieved },
-    };
-    let scene = Achieved(scene);
-    let goal = EncodedGoal::new(spec.last_stage(), &scene, &Desired::of_task(desired));
-    goal.reward(&scene, &spec.tolerances)
+/// What a step of the last sub-task is rewarded by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RewardKind {
+    /// 0 where every object is at its place, −1 elsewhere.
+    Sparse,
+    /// Minus the length of what separates achieved and desired goals, over all objects, in meters.
+    Dense,
+}
+
+impl RewardKind {
+    /// The reward in a scene of a task that asks for `desired`.
+    pub fn of_scene<const N: usize>(
+        self,
+        spec: &EnvSpec<N>,
+        achieved: &Achieved<N>,
+        desired: &Desired<N>,
+    ) -> f32 {
+        match self {
+            Self::Sparse => {
+                let goal = EncodedGoal::new(spec.last_stage(), achieved, desired);
+                goal.reward(achieved, &spec.tolerances)
+            }
+            Self::Dense => -distance(&achieved_goal(spec, achieved), desired.objects()),
+        }
+    }
+
+    /// The reward where `achieved` is the [`achieved_goal`] and `desired` says where the objects
+    /// should be.
+    pub fn of_goals<const N: usize>(
+        self,
+        spec: &EnvSpec<N>,
+        achieved: [Position; N],
+        desired: [Position; N],
+    ) -> f32 {
+        let scene = match spec.last_stage().leg() {
+            // What is to be reached stays where it is.
+            Leg::Reach => Scene { gripper: achieved[0], objects: desired },
+            Leg::Place => Scene { gripper: Position::origin(), objects: achieved },
+        };
+        self.of_scene(spec, &Achieved(scene), &Desired::of_task(desired))
+    }
+}
+
+/// The length of the difference of two goals, in meters.
+fn distance<const N: usize>(achieved: &[Position; N], desired: &[Position; N]) -> f32 {
+    let pairs = achieved.iter().zip(desired);
+    pairs.map(|(a, d)| nalgebra::distance_squared(a, d)).sum::<f32>().sqrt()
 }

@@ -20,6 +20,7 @@
 #[doc = include_str!("../../../docs/adding-a-task.md")]
 struct AddingATask;
 
+mod chosen;
 mod goals;
 mod observation;
 mod options;
@@ -32,7 +33,8 @@ pub mod tasks;
 pub mod thing;
 mod threads;
 
-pub use goals::{achieved_goal, reward_of_goals};
+pub use chosen::{Chosen, ChosenError};
+pub use goals::{RewardKind, achieved_goal};
 pub use observation::{Places, Sink, Subject, gripper_and_object};
 pub use options::{
     OptionError, OptionValue, Options, Randomize, RandomizeSetting, TaskOption, TaskOptions,

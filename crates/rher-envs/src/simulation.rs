@@ -1,5 +1,6 @@
 //! From a [`Scenario`] to an environment.
 
+use crate::chosen::Chosen;
 use crate::observation::{Labels, Numbers, Owners, Places, Positions, Reflections, Sink};
 use crate::options::{OptionError, Options, Randomize, TaskOption, TaskOptions};
 use crate::sim::{self, Fingers, STEP_SECONDS, World};
@@ -129,6 +130,26 @@ pub trait Simulated<const N: usize>: Env<N> + 'static {
         Err(EnvError::new(format!("the environment `{name}` cannot start from a chosen layout")))
     }
 
+    /// Starts the episode of a seed, with the part of its layout that is chosen instead of drawn, and
+    /// writes its first observation.
+    ///
+    /// # Errors
+    ///
+    /// [`ChosenError`](crate::ChosenError) if what is chosen has the wrong width, is not finite, or
+    /// is where the task cannot put an object.
+    fn reset_with(
+        &mut self,
+        seed: u64,
+        chosen: &Chosen,
+        observation: &mut [f32],
+    ) -> Result<Start<N>, EnvError> {
+        if *chosen == Chosen::default() {
+            return self.reset(seed, observation);
+        }
+        let name = &self.spec().name;
+        Err(EnvError::new(format!("the environment `{name}` cannot start from a chosen layout")))
+    }
+
     /// Everything that an episode's future depends on, besides its actions.
     fn snapshot(&self) -> Option<Snapshot> {
         None
@@ -176,6 +197,15 @@ impl<const N: usize> Simulated<N> for Box<dyn Simulated<N>> {
         observation: &mut [f32],
     ) -> Result<Start<N>, EnvError> {
         (**self).arrange(layout, observation)
+    }
+
+    fn reset_with(
+        &mut self,
+        seed: u64,
+        chosen: &Chosen,
+        observation: &mut [f32],
+    ) -> Result<Start<N>, EnvError> {
+        (**self).reset_with(seed, chosen, observation)
     }
 
     fn snapshot(&self) -> Option<Snapshot> {
@@ -384,9 +414,7 @@ impl<S: Scenario<N>, const N: usize> Env<N> for Simulation<S, N> {
     }
 
     fn reset(&mut self, seed: u64, observation: &mut [f32]) -> Result<Start<N>, EnvError> {
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let layout = S::draw(&mut rng);
-        self.start(layout, rng, observation)
+        self.reset_with(seed, &Chosen::default(), observation)
     }
 
     fn step(&mut self, action: &[f32], observation: &mut [f32]) -> Result<Achieved<N>, EnvError> {
@@ -416,6 +444,22 @@ impl<S: Scenario<N>, const N: usize> Simulated<N> for Simulation<S, N> {
         observation: &mut [f32],
     ) -> Result<Start<N>, EnvError> {
         self.start(layout, ChaCha8Rng::seed_from_u64(0), observation)
+    }
+
+    fn reset_with(
+        &mut self,
+        seed: u64,
+        chosen: &Chosen,
+        observation: &mut [f32],
+    ) -> Result<Start<N>, EnvError> {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let layout = chosen.of(S::draw(&mut rng)).map_err(EnvError::new)?;
+        let start = self.start(layout, rng, observation)?;
+        if chosen.objects.is_some() {
+            let Achieved(Scene { objects, .. }) = self.truth().unwrap_or(start.achieved);
+            chosen.check(&objects).map_err(EnvError::new)?;
+        }
+        Ok(start)
     }
 
     fn snapshot(&self) -> Option<Snapshot> {

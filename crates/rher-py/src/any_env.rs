@@ -1,11 +1,12 @@
 //! An environment whose task is known at run time only.
 
+use crate::picture::Painter;
 use nalgebra::Point3;
 use rher_core::env::{EnvError, EnvSpec, Start};
-use rher_core::goal::{Achieved, Desired, EncodedGoal, Position, Scene};
-use rher_envs::render::{Camera, Image, Renderer, Viewpoint, scene};
+use rher_core::goal::{Achieved, Desired, EncodedGoal, Position};
+use rher_envs::render::Image;
 use rher_envs::{
-    EnvVisitor, OptionError, Options, Simulated, Task, achieved_goal, reward_of_goals,
+    Chosen, EnvVisitor, OptionError, Options, RewardKind, Simulated, Task, achieved_goal,
 };
 
 /// What an environment shows, in Gymnasium's terms.
@@ -17,7 +18,7 @@ pub(crate) struct Frame {
     pub(crate) achieved: Vec<f32>,
     /// `[3 N]`, in meters.
     pub(crate) desired: Vec<f32>,
-    /// −1 or 0, of the last step.
+    /// Of the last step.
     pub(crate) reward: f32,
     /// Whether the task was solved after the last step.
     pub(crate) success: bool,
@@ -47,8 +48,8 @@ pub(crate) struct Snapshot {
 pub(crate) trait AnyEnv: Send {
     fn widths(&self) -> Widths;
 
-    /// Starts the episode of `seed`.
-    fn reset(&mut self, seed: u64) -> Result<(), EnvError>;
+    /// Starts the episode of `seed`, with the part of its layout that is chosen.
+    fn reset(&mut self, seed: u64, chosen: &Chosen) -> Result<(), EnvError>;
 
     /// Acts for one step of an episode that was started.
     fn step(&mut self, action: &[f32]) -> Result<(), EnvError>;
@@ -62,15 +63,19 @@ pub(crate) trait AnyEnv: Send {
     fn restore(&mut self, snapshot: &Snapshot) -> bool;
 
     /// A picture of this moment of an episode that was started.
-    fn picture(&mut self, renderer: &mut Renderer) -> Result<Image, EnvError>;
+    fn picture(&mut self, painter: &mut Painter) -> Result<Image, EnvError>;
 
     /// Rewards for rows of achieved and desired goals.
     fn rewards(&self, achieved: &[f32], desired: &[f32]) -> Vec<f32>;
 }
 
-/// Makes an environment of `task`.
-pub(crate) fn build(task: Task, options: &Options) -> Result<Box<dyn AnyEnv>, OptionError> {
-    struct Build;
+/// Makes an environment of `task` that rewards by `kind`.
+pub(crate) fn build(
+    task: Task,
+    options: &Options,
+    kind: RewardKind,
+) -> Result<Box<dyn AnyEnv>, OptionError> {
+    struct Build(RewardKind);
 
     impl EnvVisitor for Build {
         type Output = Box<dyn AnyEnv>;
@@ -79,24 +84,23 @@ pub(crate) fn build(task: Task, options: &Options) -> Result<Box<dyn AnyEnv>, Op
             self,
             build: impl Fn() -> E + Sync,
         ) -> Box<dyn AnyEnv> {
-            Box::new(Shown::new(build()))
+            Box::new(Shown::new(build(), self.0))
         }
     }
 
-    task.visit_with(options, Build)
+    task.visit_with(options, Build(kind))
 }
 
 /// An environment and what it shows.
 struct Shown<E, const N: usize> {
     env: E,
+    kind: RewardKind,
     desired: Desired<N>,
     frame: Frame,
-    /// Chosen when the first picture is drawn.
-    camera: Option<Camera>,
 }
 
 impl<E: Simulated<N>, const N: usize> Shown<E, N> {
-    fn new(env: E) -> Self {
+    fn new(env: E, kind: RewardKind) -> Self {
         let zeros = |width: usize| vec![0.0; width];
         let frame = Frame {
             observation: zeros(env.spec().obs_dim),
@@ -105,15 +109,14 @@ impl<E: Simulated<N>, const N: usize> Shown<E, N> {
             reward: 0.0,
             success: false,
         };
-        let desired = Desired::of_task([Position::origin(); N]);
-        Self { env, desired, frame, camera: None }
+        Self { env, kind, desired: Desired::of_task([Position::origin(); N]), frame }
     }
 
     fn show(&mut self, achieved: &Achieved<N>) {
         let spec = self.env.spec();
         write(&achieved_goal(spec, achieved), &mut self.frame.achieved);
         let goal = EncodedGoal::new(spec.last_stage(), achieved, &self.desired);
-        self.frame.reward = goal.reward(achieved, &spec.tolerances);
+        self.frame.reward = self.kind.of_scene(spec, achieved, &self.desired);
         self.frame.success = goal.is_met(achieved, &spec.tolerances);
     }
 }
@@ -132,8 +135,9 @@ impl<E: Simulated<N>, const N: usize> AnyEnv for Shown<E, N> {
         }
     }
 
-    fn reset(&mut self, seed: u64) -> Result<(), EnvError> {
-        let Start { achieved, desired } = self.env.reset(seed, &mut self.frame.observation)?;
+    fn reset(&mut self, seed: u64, chosen: &Chosen) -> Result<(), EnvError> {
+        let start = self.env.reset_with(seed, chosen, &mut self.frame.observation)?;
+        let Start { achieved, desired } = start;
         self.desired = desired;
         write(desired.objects(), &mut self.frame.desired);
         self.show(&achieved);
@@ -165,22 +169,14 @@ impl<E: Simulated<N>, const N: usize> AnyEnv for Shown<E, N> {
         restored
     }
 
-    fn picture(&mut self, renderer: &mut Renderer) -> Result<Image, EnvError> {
-        let objects = read(&self.frame.achieved);
-        let now = Achieved(Scene { gripper: objects[0], objects });
-        let camera = if let Some(camera) = self.camera {
-            camera
-        } else {
-            let start = Start { achieved: now, desired: self.desired };
-            *self.camera.insert(Viewpoint::default().camera(&mut self.env, &start)?)
-        };
-        Ok(renderer.draw(&camera, &scene(&mut self.env, &now, &self.desired)))
+    fn picture(&mut self, painter: &mut Painter) -> Result<Image, EnvError> {
+        painter.draw(&mut self.env, read(&self.frame.achieved), &self.desired)
     }
 
     fn rewards(&self, achieved: &[f32], desired: &[f32]) -> Vec<f32> {
         let rows = achieved.chunks_exact(3 * N).zip(desired.chunks_exact(3 * N));
         let spec = self.env.spec();
-        rows.map(|(achieved, desired)| reward_of_goals(spec, read(achieved), read(desired)))
+        rows.map(|(achieved, desired)| self.kind.of_goals(spec, read(achieved), read(desired)))
             .collect()
     }
 }

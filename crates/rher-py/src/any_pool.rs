@@ -1,18 +1,21 @@
 //! Environments of one task that are stepped together, the task being known at run time only.
 
 use crate::any_env::read;
-use rher_core::env::Env;
+use crate::picture::Painter;
+use rher_core::env::EnvError;
+use rher_core::goal::Desired;
+use rher_envs::render::Image;
 use rher_envs::{
-    AutoReset, EnvVisitor, Frames, OptionError, Options, Pool, PoolError, PoolRecord, Simulated,
-    Task, reward_of_goals,
+    AutoReset, Chosen, EnvVisitor, Frames, OptionError, Options, Pool, PoolError, PoolRecord,
+    RewardKind, Simulated, Task,
 };
 use std::num::NonZeroUsize;
 
 /// A [`Pool`], whatever its task.
 pub(crate) trait AnyPool: Send {
-    fn reset(&mut self, seeds: &[u64]) -> Result<(), PoolError>;
+    fn seed(&mut self, seeds: &[u64]) -> Result<(), PoolError>;
 
-    fn reset_where(&mut self, mask: &[bool]) -> Result<(), PoolError>;
+    fn reset_with(&mut self, mask: &[bool], chosen: &[Chosen]) -> Result<(), PoolError>;
 
     fn step(&mut self, actions: &[f32]) -> Result<(), PoolError>;
 
@@ -32,15 +35,18 @@ pub(crate) trait AnyPool: Send {
 
     /// Whether what is seen now solves the task, row by row.
     fn solved(&self) -> Vec<bool>;
+
+    /// A picture of an environment; `None` if no episode is running there.
+    fn picture(&mut self, row: usize, painter: &mut Painter) -> Result<Option<Image>, EnvError>;
 }
 
-impl<E: Env<N>, const N: usize> AnyPool for Pool<E, N> {
-    fn reset(&mut self, seeds: &[u64]) -> Result<(), PoolError> {
-        Self::reset(self, seeds)
+impl<E: Simulated<N>, const N: usize> AnyPool for Pool<E, N> {
+    fn seed(&mut self, seeds: &[u64]) -> Result<(), PoolError> {
+        Self::seed(self, seeds)
     }
 
-    fn reset_where(&mut self, mask: &[bool]) -> Result<(), PoolError> {
-        Self::reset_where(self, mask)
+    fn reset_with(&mut self, mask: &[bool], chosen: &[Chosen]) -> Result<(), PoolError> {
+        Self::reset_with(self, mask, chosen)
     }
 
     fn step(&mut self, actions: &[f32]) -> Result<(), PoolError> {
@@ -78,7 +84,16 @@ impl<E: Env<N>, const N: usize> AnyPool for Pool<E, N> {
     fn solved(&self) -> Vec<bool> {
         let Frames { achieved, desired, .. } = Self::now(self);
         let rows = achieved.chunks_exact(3 * N).zip(desired.chunks_exact(3 * N));
-        rows.map(|(a, d)| reward_of_goals(self.spec(), read(a), read(d)) >= 0.0).collect()
+        let reward = |(a, d)| RewardKind::Sparse.of_goals(self.spec(), read(a), read(d));
+        rows.map(|row| reward(row) >= 0.0).collect()
+    }
+
+    fn picture(&mut self, row: usize, painter: &mut Painter) -> Result<Option<Image>, EnvError> {
+        let Frames { achieved, desired, .. } = Self::now(self);
+        let goal = 3 * N * row..3 * N * (row + 1);
+        let (achieved, desired) = (read(&achieved[goal.clone()]), read(&desired[goal]));
+        let Some(env) = self.env_mut(row) else { return Ok(None) };
+        painter.draw(env, achieved, &Desired::of_task(desired)).map(Some)
     }
 }
 
@@ -88,6 +103,7 @@ pub(crate) struct Size {
     pub(crate) envs: usize,
     pub(crate) threads: usize,
     pub(crate) auto_reset: AutoReset,
+    pub(crate) rewards: RewardKind,
     /// Those of the task if it is None.
     pub(crate) episode_steps: Option<NonZeroUsize>,
 }
@@ -106,7 +122,7 @@ impl EnvVisitor for Size {
 
     fn visit<const N: usize, E: Simulated<N>>(self, build: impl Fn() -> E + Sync) -> Self::Output {
         let envs: Vec<E> = (0..self.envs).map(|_| build()).collect();
-        let pool = Pool::new(envs, self.threads, self.auto_reset)?;
+        let pool = Pool::new(envs, self.threads, self.auto_reset)?.with_rewards(self.rewards);
         Ok(match self.episode_steps {
             Some(steps) => Box::new(pool.with_episode_steps(steps)),
             None => Box::new(pool),

@@ -3,14 +3,14 @@
 use crate::any_env::{AnyEnv, Frame, Widths};
 use crate::arrays::{Rows, doubles, read};
 use crate::error::{InputError, StateError, told, unlocked};
-use crate::made::made_of;
+use crate::made::{Parts, chosen, kind_of, made_of};
+use crate::picture::Painter;
 use crate::state::{Record, State};
 use numpy::{PyArray1, PyArray3, PyArrayDyn, PyArrayMethods as _};
 use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple, PyType};
 use rher_core::seed::{Purpose, Seed};
-use rher_envs::render::Renderer;
 use rher_envs::{Options, Task};
 use std::num::NonZeroU16;
 use std::sync::{Mutex, MutexGuard, TryLockError};
@@ -22,6 +22,7 @@ use std::sync::{Mutex, MutexGuard, TryLockError};
 pub(crate) struct Env {
     task: Task,
     options: Options,
+    reward_type: String,
     widths: Widths,
     slot: Mutex<Slot>,
 }
@@ -39,7 +40,7 @@ struct Slot {
     /// The action, kept to save an allocation.
     action: Vec<f32>,
     /// Made when it is first needed.
-    renderer: Option<Renderer>,
+    painter: Option<Painter>,
 }
 
 impl Slot {
@@ -52,8 +53,10 @@ impl Slot {
 impl Env {
     /// An environment of `task`, with `options` as JSON.
     #[new]
-    fn new(py: Python<'_>, task: &str, options: &str) -> PyResult<Self> {
-        let (task, options, env) = unlocked(py, || made_of(task, options))??;
+    #[pyo3(signature = (task, options, reward_type="sparse"))]
+    fn new(py: Python<'_>, task: &str, options: &str, reward_type: &str) -> PyResult<Self> {
+        let kind = kind_of(reward_type)?;
+        let (task, options, env) = unlocked(py, || made_of(task, options, kind))??;
         let widths = env.widths();
         let slot = Slot {
             env: Some(env),
@@ -61,9 +64,10 @@ impl Env {
             episodes: 0,
             record: None,
             action: Vec::with_capacity(widths.action),
-            renderer: None,
+            painter: None,
         };
-        Ok(Self { task, options, widths, slot: Mutex::new(slot) })
+        let reward_type = reward_type.to_owned();
+        Ok(Self { task, options, reward_type, widths, slot: Mutex::new(slot) })
     }
 
     /// Name of the task.
@@ -115,8 +119,13 @@ impl Env {
     }
 
     /// Starts the next episode; with a seed, the first one of that seed.
-    #[pyo3(signature = (seed=None))]
-    fn reset<'py>(&self, py: Python<'py>, seed: Option<u64>) -> PyResult<Bound<'py, PyTuple>> {
+    #[pyo3(signature = (seed=None, begun=None))]
+    fn reset<'py>(
+        &self,
+        py: Python<'py>,
+        seed: Option<u64>,
+        begun: Option<Parts>,
+    ) -> PyResult<Bound<'py, PyTuple>> {
         let mut guard = self.lock()?;
         let slot = &mut *guard;
         slot.open()?;
@@ -132,9 +141,14 @@ impl Env {
         };
         slot.record = None;
         let env = slot.open()?;
-        unlocked(py, || env.reset(seed))?.map_err(|error| StateError::new_err(told(&error)))?;
+        let is_chosen = begun.is_some();
+        let chosen = begun.map(chosen).unwrap_or_default();
+        unlocked(py, || env.reset(seed, &chosen))?.map_err(|error| {
+            let text = told(&error);
+            if is_chosen { InputError::new_err(text) } else { StateError::new_err(text) }
+        })?;
         slot.episodes += 1;
-        let record = Record { seed, actions: Vec::with_capacity(64 * self.widths.action) };
+        let record = Record { seed, chosen, actions: Vec::with_capacity(64 * self.widths.action) };
         slot.record = Some(record);
         let frame = slot.open()?.frame();
         (observation(py, frame)?, info(py, frame)?).into_pyobject(py)
@@ -160,7 +174,7 @@ impl Env {
             .into_pyobject(py)
     }
 
-    /// Rewards of goals, each `[..., 3 N]`: `[...]`, −1 or 0.
+    /// Rewards of goals, each `[..., 3 N]`: `[...]`.
     fn compute_reward<'py>(
         &self,
         achieved: &Bound<'py, PyAny>,
@@ -220,13 +234,13 @@ impl Env {
         height: NonZeroU16,
     ) -> PyResult<Bound<'py, PyArray3<u8>>> {
         let mut guard = self.lock()?;
-        let Slot { env, record, renderer, .. } = &mut *guard;
+        let Slot { env, record, painter, .. } = &mut *guard;
         let Some(env) = env else { return Err(StateError::new_err("the environment is closed")) };
         if record.is_none() {
             return Err(StateError::new_err("there is nothing to see before the first reset"));
         }
-        let renderer = renderer.get_or_insert_with(|| Renderer::new([width, height]));
-        let image = unlocked(py, || env.picture(renderer))?;
+        let painter = painter.get_or_insert_with(|| Painter::new([width, height]));
+        let image = unlocked(py, || env.picture(painter))?;
         let image = image.map_err(|error| StateError::new_err(told(&error)))?;
         PyArray1::from_vec(py, image.rgb).reshape([image.height, image.width, 3])
     }
@@ -243,12 +257,13 @@ impl Env {
         cls: &Bound<'_, PyType>,
         task: &str,
         options: &str,
+        reward_type: &str,
         stream: (Option<u64>, u64),
         closed: bool,
         state: Option<&Bound<'_, State>>,
     ) -> PyResult<Self> {
         let py = cls.py();
-        let env = Self::new(py, task, options)?;
+        let env = Self::new(py, task, options, reward_type)?;
         (env.lock()?.seed, env.lock()?.episodes) = stream;
         if let Some(state) = state {
             env.set_state(py, state.get())?;
@@ -266,7 +281,7 @@ impl Env {
             ((slot.seed, slot.episodes), slot.env.is_none(), slot.record.is_some())
         };
         let state = (running && !closed).then(|| env.get_state()).transpose()?;
-        let arguments = (env.task(), env.options(), stream, closed, state);
+        let arguments = (env.task(), env.options(), &env.reward_type, stream, closed, state);
         (slf.get_type().getattr("_rebuilt")?, arguments).into_pyobject(slf.py())
     }
 }

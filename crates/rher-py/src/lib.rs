@@ -16,6 +16,7 @@ mod foreign;
 #[cfg(feature = "measure")]
 mod hindsight;
 mod made;
+mod picture;
 mod places;
 mod policy;
 mod state;
@@ -38,7 +39,7 @@ mod _rher {
     #[pymodule_export]
     use super::hindsight::Hindsight;
     #[pymodule_export]
-    use super::made::tasks;
+    use super::made::{subtasks, tasks};
     #[pymodule_export]
     use super::policy::Policy;
     #[pymodule_export]

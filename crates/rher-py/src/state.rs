@@ -2,9 +2,10 @@
 
 use crate::any_env::{AnyEnv, Snapshot};
 use crate::error::{InputError, told, unlocked};
-use crate::made::made_of;
+use crate::made::{Parts, chosen, made_of, parts};
 use pyo3::prelude::*;
 use pyo3::types::{PyTuple, PyType};
+use rher_envs::{Chosen, RewardKind};
 use std::sync::{Mutex, PoisonError};
 
 /// How an episode got to where it is: it can be played again from this, to the last bit.
@@ -12,6 +13,8 @@ use std::sync::{Mutex, PoisonError};
 pub(crate) struct Record {
     /// Seed of the episode.
     pub(crate) seed: u64,
+    /// What was chosen of how it began.
+    pub(crate) chosen: Chosen,
     /// `[steps, action]`.
     pub(crate) actions: Vec<f32>,
 }
@@ -20,7 +23,7 @@ impl Record {
     /// Plays the episode again.
     pub(crate) fn play(&self, env: &mut dyn AnyEnv) -> PyResult<()> {
         let failed = |error| InputError::new_err(told(&error));
-        env.reset(self.seed).map_err(failed)?;
+        env.reset(self.seed, &self.chosen).map_err(failed)?;
         let width = env.widths().action;
         self.actions.chunks_exact(width).try_for_each(|action| env.step(action)).map_err(failed)
     }
@@ -60,9 +63,10 @@ impl State {
         options: String,
         seed: u64,
         actions: Vec<f32>,
+        begun: Parts,
     ) -> PyResult<Self> {
-        let (_, _, mut env) = made_of(task, &options)?;
-        let record = Record { seed, actions };
+        let (_, _, mut env) = made_of(task, &options, RewardKind::Sparse)?;
+        let record = Record { seed, chosen: chosen(begun), actions };
         unlocked(cls.py(), || record.play(env.as_mut()))??;
         Ok(Self::new(task, options, record, env.as_ref()))
     }
@@ -70,7 +74,8 @@ impl State {
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
         let Self { task, options, record, .. } = slf.get();
         let rebuild = slf.get_type().getattr("_replayed")?;
-        let arguments = (task, options, record.seed, record.actions.clone());
+        let begun = parts(record.chosen.clone());
+        let arguments = (task, options, record.seed, record.actions.clone(), begun);
         (rebuild, arguments).into_pyobject(slf.py())
     }
 
@@ -83,7 +88,7 @@ impl State {
     }
 
     fn __repr__(&self) -> String {
-        let Self { task, record: Record { seed, actions }, .. } = self;
+        let Self { task, record: Record { seed, actions, .. }, .. } = self;
         format!("State(task='{task}', seed={seed}, numbers_of_actions={})", actions.len())
     }
 }

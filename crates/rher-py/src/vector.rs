@@ -4,15 +4,17 @@ use crate::any_env::Widths;
 use crate::any_pool::{self, AnyPool, Size};
 use crate::arrays::{as_doubles, read};
 use crate::error::{InputError, InternalError, StateError, told, unlocked};
-use crate::made::made_of;
+use crate::made::{Parts, chosen, kind_of, made_of};
+use crate::picture::Painter;
 use crate::threads::allowed;
-use numpy::{PyArray1, PyArray2, PyArrayMethods as _};
+use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods as _};
 use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyTuple, PyType};
-use rher_envs::{AutoReset, Frames, PoolError, PoolRecord};
+use rher_envs::render::Image;
+use rher_envs::{AutoReset, Chosen, Frames, PoolError, PoolRecord};
 use serde::{Deserialize, Serialize};
-use std::num::NonZeroUsize;
+use std::num::{NonZeroU16, NonZeroUsize};
 use std::sync::{Mutex, MutexGuard, TryLockError};
 
 /// Environments of one task that are stepped together, without Python's lock.
@@ -41,6 +43,8 @@ struct Made {
     threads: Option<usize>,
     #[pyo3(item)]
     auto_reset: String,
+    #[pyo3(item)]
+    reward_type: String,
     /// Whether every step makes new arrays.
     #[pyo3(item)]
     copy: bool,
@@ -56,6 +60,8 @@ struct Slot {
     seeded: bool,
     /// The actions, kept to save an allocation.
     actions: Vec<f32>,
+    /// Made when it is first needed.
+    painter: Option<Painter>,
 }
 
 /// How environments got to where they are.
@@ -124,16 +130,17 @@ impl VectorEnv {
                 )));
             }
         };
+        let rewards = kind_of(&made.reward_type)?;
         let invalid = |error: &dyn std::error::Error| InputError::new_err(told(error));
         let (widths, pool) = unlocked(py, || {
-            let (task, options, one) = made_of(&made.task, &made.options)?;
+            let (task, options, one) = made_of(&made.task, &made.options, rewards)?;
             let threads = made.threads.unwrap_or_else(allowed).min(envs);
-            let size = Size { envs, threads, auto_reset, episode_steps };
+            let size = Size { envs, threads, auto_reset, rewards, episode_steps };
             let pool = any_pool::build(task, &options, size);
             let pool = pool.map_err(|error| invalid(&error))?.map_err(|error| invalid(&error))?;
             PyResult::Ok((one.widths(), pool))
         })??;
-        let slot = Slot { pool: Some(pool), seeded: false, actions: Vec::new() };
+        let slot = Slot { pool: Some(pool), seeded: false, actions: Vec::new(), painter: None };
         let kept = (!copy).then(|| Arrays::new(py, envs, &widths));
         Ok(Self { made, envs, widths, slot: Mutex::new(slot), kept })
     }
@@ -145,34 +152,41 @@ impl VectorEnv {
     }
 
     /// Starts an episode in every environment: of its own seed, or the next one.
-    #[pyo3(signature = (seeds=None))]
+    #[pyo3(signature = (seeds=None, begun=None))]
     fn reset<'py>(
         &self,
         py: Python<'py>,
         seeds: Option<Vec<u64>>,
+        begun: Option<Vec<Parts>>,
     ) -> PyResult<Bound<'py, PyTuple>> {
         let mut slot = self.lock()?;
         let Slot { pool, seeded, .. } = &mut *slot;
         let pool = pool.as_mut().ok_or_else(closed)?;
-        let all = vec![true; self.envs];
         match &seeds {
-            Some(seeds) => unlocked(py, || pool.reset(seeds))?,
-            None if *seeded => unlocked(py, || pool.reset_where(&all))?,
+            Some(seeds) => pool.seed(seeds).map_err(from_pool)?,
+            None if *seeded => {}
             None => return Err(StateError::new_err("the first reset needs seeds")),
         }
-        .map_err(from_pool)?;
+        let all = vec![true; self.envs];
+        self.begin(py, pool.as_mut(), &all, begun)?;
         *seeded = true;
         self.started(py, pool.as_ref(), &all)
     }
 
     /// Starts the next episode in the environments that `mask` marks.
-    fn reset_where<'py>(&self, py: Python<'py>, mask: Vec<bool>) -> PyResult<Bound<'py, PyTuple>> {
+    #[pyo3(signature = (mask, begun=None))]
+    fn reset_where<'py>(
+        &self,
+        py: Python<'py>,
+        mask: Vec<bool>,
+        begun: Option<Vec<Parts>>,
+    ) -> PyResult<Bound<'py, PyTuple>> {
         let mut slot = self.lock()?;
         if !slot.seeded {
             return Err(StateError::new_err("the first reset is of all environments"));
         }
         let pool = slot.pool.as_mut().ok_or_else(closed)?;
-        unlocked(py, || pool.reset_where(&mask))?.map_err(from_pool)?;
+        self.begin(py, pool.as_mut(), &mask, begun)?;
         self.started(py, pool.as_ref(), &mask)
     }
 
@@ -216,6 +230,30 @@ impl VectorEnv {
         let solved: Vec<bool> =
             pool.successes().iter().zip(pool.ended()).map(|(a, b)| *a && *b).collect();
         (frames, info(py, &solved, pool.ended())?).into_pyobject(py)
+    }
+
+    /// A picture of every environment, `[height, width, 3]`; their size is that of the first ones.
+    fn render<'py>(
+        &self,
+        py: Python<'py>,
+        width: NonZeroU16,
+        height: NonZeroU16,
+    ) -> PyResult<Vec<Bound<'py, PyArray3<u8>>>> {
+        let mut slot = self.lock()?;
+        let Slot { pool, painter, .. } = &mut *slot;
+        let pool = pool.as_mut().ok_or_else(closed)?;
+        let painter = painter.get_or_insert_with(|| Painter::new([width, height]));
+        let images: Result<Vec<_>, _> =
+            unlocked(py, || (0..self.envs).map(|row| pool.picture(row, painter)).collect())?;
+        let images = images.map_err(|error| StateError::new_err(told(&error)))?;
+        let array = |image: Option<Image>| {
+            let Some(Image { width, height, rgb }) = image else {
+                let unseen = "there is nothing to see before the first reset";
+                return Err(StateError::new_err(unseen));
+            };
+            PyArray1::from_vec(py, rgb).reshape([height, width, 3])
+        };
+        images.into_iter().map(array).collect()
     }
 
     /// How the environments got to where they are, as bytes.
@@ -270,6 +308,25 @@ impl VectorEnv {
 }
 
 impl VectorEnv {
+    /// Starts the next episode in the environments that `mask` marks, perhaps as it was chosen.
+    fn begin(
+        &self,
+        py: Python<'_>,
+        pool: &mut dyn AnyPool,
+        mask: &[bool],
+        begun: Option<Vec<Parts>>,
+    ) -> PyResult<()> {
+        let is_chosen = begun.is_some();
+        let chosen: Vec<Chosen> = match begun {
+            Some(begun) => begun.into_iter().map(chosen).collect(),
+            None => vec![Chosen::default(); self.envs],
+        };
+        unlocked(py, || pool.reset_with(mask, &chosen))?.map_err(|error| match error {
+            PoolError::Env { .. } if is_chosen => InputError::new_err(told(&error)),
+            error => from_pool(error),
+        })
+    }
+
     /// Observations and infos of environments whose episodes have begun.
     fn started<'py>(
         &self,

@@ -195,7 +195,8 @@ def test_the_length_of_episodes_can_be_chosen(steps):
     [
         ({"envs": 0}, "num_envs is 0"),
         ({"threads": 0}, "threads is 0"),
-        ({"render_mode": "rgb_array"}, "render_mode is 'rgb_array', expected None"),
+        ({"render_mode": "human"}, "render_mode is 'human', expected 'rgb_array'"),
+        ({"width": 0}, "width is 0"),
         ({"mode": "Whenever"}, "expected NextStep, SameStep, Disabled"),
         ({"max_episode_steps": 0}, "max_episode_steps is 0"),
         ({"randomize": {"mass": 1}}, "options of `push`"),

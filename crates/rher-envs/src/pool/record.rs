@@ -1,7 +1,8 @@
 //! How a pool got to where it is.
 
 use super::step::{Frames, Pool, PoolError, Slot};
-use rher_core::env::Env;
+use crate::chosen::Chosen;
+use crate::simulation::Simulated;
 use serde::{Deserialize, Serialize};
 
 /// How a [`Pool`] got to where it is: its running episodes can be played again from this, to the
@@ -26,15 +27,19 @@ struct EnvRecord {
     episodes: u64,
     /// `[steps, action]`: actions of the running episode; None if there is none.
     actions: Option<Vec<f32>>,
+    /// What was chosen of how the running episode began.
+    #[serde(default)]
+    chosen: Chosen,
 }
 
-impl<E: Env<N>, const N: usize> Pool<E, N> {
+impl<E: Simulated<N>, const N: usize> Pool<E, N> {
     /// How it got to where it is.
     pub fn record(&self) -> PoolRecord {
         let env = |slot: &Slot<E, N>| EnvRecord {
             seed: slot.seed,
             episodes: slot.episodes,
             actions: slot.running.as_ref().map(|_| slot.actions.clone()),
+            chosen: slot.chosen.clone(),
         };
         PoolRecord {
             envs: self.slots.iter().map(env).collect(),
@@ -79,7 +84,7 @@ impl<E: Env<N>, const N: usize> Pool<E, N> {
             }
         }
         self.each(|env, row| {
-            let EnvRecord { seed, episodes, actions } = &envs[env];
+            let EnvRecord { seed, episodes, actions, chosen } = &envs[env];
             row.slot.seed = *seed;
             row.slot.episodes = episodes.saturating_sub(1);
             let Some(actions) = actions else {
@@ -87,7 +92,7 @@ impl<E: Env<N>, const N: usize> Pool<E, N> {
                 row.slot.running = None;
                 return Ok(());
             };
-            row.begin()?;
+            row.begin(chosen.clone())?;
             actions.chunks_exact(action_dim).try_for_each(|action| row.act(action))
         })?;
         self.now.clone_from(now);

@@ -1,9 +1,11 @@
 //! Many environments of one task, stepped together.
 
-use crate::goals::achieved_goal;
+use crate::chosen::Chosen;
+use crate::goals::{RewardKind, achieved_goal};
+use crate::simulation::Simulated;
 use crate::threads::Threads;
 use rayon::prelude::*;
-use rher_core::env::{Env, EnvError, EnvSpec, Start};
+use rher_core::env::{EnvError, EnvSpec, Start};
 use rher_core::goal::{Desired, EncodedGoal, Position};
 use rher_core::seed::{Purpose, Seed};
 use serde::{Deserialize, Serialize};
@@ -44,6 +46,7 @@ pub struct Pool<E, const N: usize> {
     pub(super) slots: Vec<Slot<E, N>>,
     pub(super) spec: EnvSpec<N>,
     pub(super) auto_reset: AutoReset,
+    kind: RewardKind,
     pub(super) threads: Threads,
     pub(super) now: Frames,
     pub(super) last: Frames,
@@ -80,6 +83,8 @@ pub(super) struct Slot<E, const N: usize> {
     pub(super) episodes: u64,
     /// `[steps, action]`: actions of the running episode.
     pub(super) actions: Vec<f32>,
+    /// What was chosen of how it began.
+    pub(super) chosen: Chosen,
     /// None before the first reset and after a failure.
     pub(super) running: Option<Running<N>>,
     pub(super) failure: Option<EnvError>,
@@ -142,7 +147,7 @@ pub enum PoolError {
     },
 }
 
-impl<E: Env<N>, const N: usize> Pool<E, N> {
+impl<E: Simulated<N>, const N: usize> Pool<E, N> {
     /// A pool of `envs`, which are equal, stepped by as many `threads`.
     pub fn new(envs: Vec<E>, threads: usize, auto_reset: AutoReset) -> Result<Self, PoolError> {
         let count = envs.len();
@@ -150,12 +155,13 @@ impl<E: Env<N>, const N: usize> Pool<E, N> {
         let threads =
             Threads::new(threads).map_err(|source| PoolError::Threads { threads, source })?;
         let slot = |env| {
-            let actions = Vec::new();
-            Slot { env, seed: 0, episodes: 0, actions, running: None, failure: None }
+            let (actions, chosen) = (Vec::new(), Chosen::default());
+            Slot { env, seed: 0, episodes: 0, actions, chosen, running: None, failure: None }
         };
         Ok(Self {
             slots: envs.into_iter().map(slot).collect(),
             auto_reset,
+            kind: RewardKind::Sparse,
             threads,
             now: Frames::zeros(count, spec.obs_dim, 3 * N),
             last: Frames::zeros(count, spec.obs_dim, 3 * N),
@@ -174,6 +180,13 @@ impl<E: Env<N>, const N: usize> Pool<E, N> {
         self
     }
 
+    /// Rewards steps by this instead of [`RewardKind::Sparse`].
+    #[must_use]
+    pub fn with_rewards(mut self, kind: RewardKind) -> Self {
+        self.kind = kind;
+        self
+    }
+
     /// Widths and limits of each environment.
     pub fn spec(&self) -> &EnvSpec<N> {
         &self.spec
@@ -188,17 +201,41 @@ impl<E: Env<N>, const N: usize> Pool<E, N> {
     ///
     /// Later episodes have seeds that follow from it and from their count.
     pub fn reset(&mut self, seeds: &[u64]) -> Result<(), PoolError> {
+        self.seed(seeds)?;
+        self.each(|_, row| row.start(Chosen::default()))
+    }
+
+    /// Gives every environment a seed, with which its next episode starts.
+    pub fn seed(&mut self, seeds: &[u64]) -> Result<(), PoolError> {
         self.check_length("seeds", seeds.len(), 1)?;
         for (slot, seed) in self.slots.iter_mut().zip(seeds) {
             (slot.seed, slot.episodes) = (*seed, 0);
         }
-        self.each(|_, row| row.start())
+        Ok(())
     }
 
     /// Starts the next episode in every environment that `mask` marks.
     pub fn reset_where(&mut self, mask: &[bool]) -> Result<(), PoolError> {
+        self.reset_with(mask, &vec![Chosen::default(); self.envs()])
+    }
+
+    /// Starts the next episode in every environment that `mask` marks, with what is `chosen` for it;
+    /// the episodes that follow are drawn.
+    pub fn reset_with(&mut self, mask: &[bool], chosen: &[Chosen]) -> Result<(), PoolError> {
         self.check_length("mask", mask.len(), 1)?;
-        self.each(|env, row| if mask[env] { row.start() } else { Ok(()) })
+        self.check_length("what is chosen", chosen.len(), 1)?;
+        self.each(|env, row| if mask[env] { row.start(chosen[env].clone()) } else { Ok(()) })
+    }
+
+    /// The environment of a row, to look at: what was done to it is undone before the next step.
+    /// `None` before its first reset and after a failure.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such row.
+    pub fn env_mut(&mut self, row: usize) -> Option<&mut E> {
+        let Slot { env, running, .. } = &mut self.slots[row];
+        running.as_ref().map(|_| env)
     }
 
     /// Acts in every environment for one step.
@@ -224,12 +261,12 @@ impl<E: Env<N>, const N: usize> Pool<E, N> {
         let auto_reset = self.auto_reset;
         self.each(|env, row| {
             if row.is_over() {
-                return row.start();
+                return row.start(Chosen::default());
             }
             row.act(&actions[env * width..(env + 1) * width])?;
             if *row.ended && auto_reset == AutoReset::SameStep {
                 row.keep();
-                row.begin()?;
+                row.begin(Chosen::default())?;
             }
             Ok(())
         })
@@ -245,7 +282,7 @@ impl<E: Env<N>, const N: usize> Pool<E, N> {
         &self.last
     }
 
-    /// `[envs]`: reward of the last step for the last sub-task, −1 or 0.
+    /// `[envs]`: reward of the last step for the last sub-task.
     pub fn rewards(&self) -> &[f32] {
         &self.rewards
     }
@@ -282,7 +319,8 @@ impl<E: Env<N>, const N: usize> Pool<E, N> {
         &mut self,
         work: impl Fn(usize, &mut Row<'_, E, N>) -> Result<(), EnvError> + Sync,
     ) -> Result<(), PoolError> {
-        let Self { slots, spec, threads, now, last, rewards, successes, ended, clipped, .. } = self;
+        let Self { slots, spec, kind, threads, now, last, .. } = self;
+        let Self { rewards, successes, ended, clipped, .. } = self;
         let count = threads.count();
         let threads =
             threads.here().map_err(|source| PoolError::Threads { threads: count, source })?;
@@ -300,12 +338,12 @@ impl<E: Env<N>, const N: usize> Pool<E, N> {
             ended.par_iter_mut(),
             clipped.par_iter_mut(),
         );
-        let spec = &*spec;
+        let (spec, kind) = (&*spec, *kind);
         threads.install(|| {
             rows.into_par_iter().enumerate().for_each(|(env, row)| {
                 let (slot, a, b, c, d, e, f, reward, success, ended, clipped) = row;
                 let (now, last) = ((a, b, c), (d, e, f));
-                let mut row = Row { slot, spec, now, last, reward, success, ended, clipped };
+                let mut row = Row { slot, spec, kind, now, last, reward, success, ended, clipped };
                 if let Err(failure) = work(env, &mut row) {
                     row.slot.running = None;
                     row.slot.failure = Some(failure);
@@ -327,6 +365,7 @@ type FrameRow<'a> = (&'a mut [f32], &'a mut [f32], &'a mut [f32]);
 pub(super) struct Row<'a, E, const N: usize> {
     pub(super) slot: &'a mut Slot<E, N>,
     spec: &'a EnvSpec<N>,
+    kind: RewardKind,
     now: FrameRow<'a>,
     last: FrameRow<'a>,
     reward: &'a mut f32,
@@ -335,25 +374,26 @@ pub(super) struct Row<'a, E, const N: usize> {
     clipped: &'a mut u32,
 }
 
-impl<E: Env<N>, const N: usize> Row<'_, E, N> {
+impl<E: Simulated<N>, const N: usize> Row<'_, E, N> {
     /// Starts the next episode, as a step of its own.
-    fn start(&mut self) -> Result<(), EnvError> {
+    fn start(&mut self, chosen: Chosen) -> Result<(), EnvError> {
         *self.reward = 0.0;
         *self.success = false;
         *self.ended = false;
-        self.begin()
+        self.begin(chosen)
     }
 
     /// Starts the next episode.
-    pub(super) fn begin(&mut self) -> Result<(), EnvError> {
-        let Slot { env, seed, episodes, actions, running, .. } = self.slot;
+    pub(super) fn begin(&mut self, chosen: Chosen) -> Result<(), EnvError> {
+        let Slot { env, seed, episodes, actions, chosen: kept, running, .. } = self.slot;
         actions.clear();
         let seed = match *episodes {
             0 => *seed,
             count => Seed(*seed).episode(Purpose::Environment, count),
         };
         *episodes += 1;
-        let Start { achieved, desired } = env.reset(seed, self.now.0)?;
+        let Start { achieved, desired } = env.reset_with(seed, &chosen, self.now.0)?;
+        *kept = chosen;
         *running = Some(Running { desired, step: 0 });
         write(&achieved_goal(self.spec, &achieved), self.now.1);
         write(desired.objects(), self.now.2);
@@ -379,7 +419,7 @@ impl<E: Env<N>, const N: usize> Row<'_, E, N> {
         *step += 1;
         *self.ended = *step == self.spec.episode_steps;
         let goal = EncodedGoal::new(self.spec.last_stage(), &achieved, desired);
-        *self.reward = goal.reward(&achieved, &self.spec.tolerances);
+        *self.reward = self.kind.of_scene(self.spec, &achieved, desired);
         *self.success = goal.is_met(&achieved, &self.spec.tolerances);
         write(&achieved_goal(self.spec, &achieved), self.now.1);
         Ok(())

@@ -1,17 +1,23 @@
 """The tasks as Gymnasium environments."""
 
 import json
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, Literal
 
 import gymnasium
 import numpy as np
 from gymnasium import spaces
+from numpy.typing import ArrayLike, NDArray
 
 from rher import _rher
 from rher._arguments import table, text, whole
+from rher._beginning import FAR, beginning
 from rher.errors import InputError
 
-__all__ = ["IDS", "TaskEnv"]
+__all__ = ["DENSE_IDS", "IDS", "TaskEnv"]
+
+Observation = dict[str, NDArray[np.float64]]
+Action = NDArray[np.float32]
 
 #: Ids of Gymnasium and the names of their tasks.
 IDS = {
@@ -30,11 +36,21 @@ IDS = {
     "rher/TStack-v0": "tstack",
 }
 
-#: Bound of the spaces in meters, beyond any position: Gymnasium's checker warns of infinite spaces.
-FAR = 100.0
+#: The same tasks with ``reward_type="dense"``.
+DENSE_IDS = {name.replace("-v0", "Dense-v0"): task for name, task in IDS.items()}
+
+RewardType = Literal["sparse", "dense"]
 
 
-def options_as_json(options: dict[str, Any] | None, randomize: dict[str, Any] | None) -> str:
+def task_of(name: Any) -> str:
+    """The task of a name or of an id."""
+    name = text("task", name)
+    return IDS.get(name) or DENSE_IDS.get(name) or name
+
+
+def options_as_json(
+    options: Mapping[str, Any] | None, randomize: Mapping[str, Any] | None
+) -> str:
     """The options of a task, as the compiled half reads them."""
     return json.dumps({"task": table("options", options), "randomize": table("randomize", randomize)})
 
@@ -61,17 +77,18 @@ def as_seed(seed: Any) -> int | None:
     return None if seed is None else whole("seed", seed, 0, 2**64 - 1)
 
 
-class TaskEnv(gymnasium.Env):
+class TaskEnv(gymnasium.Env[Observation, Action]):
     """One task, with the multi-goal interface of Gymnasium-Robotics.
 
     Observations are dictionaries of 64-bit arrays: ``observation``; ``achieved_goal`` and
     ``desired_goal``, each ``(3 * objects,)`` in meters, with the objects in the order in which they
     are to be placed. Actions are 32-bit, ``(4,)`` (``(3,)`` for ``cue-push``), within -1 and 1: the
     gripper's displacement along x, y, z (1 asks for 5 cm), then the opening of its fingers.
-    Rewards are 0 when every object is at its place and -1 otherwise. Episodes never end by
-    themselves; ``gymnasium.make`` ends them after ``episode_steps``.
+    Episodes never end by themselves; ``gymnasium.make`` ends them after ``episode_steps``.
 
-    :param task: name of the task, see :func:`rher.tasks`.
+    :param task: name of the task, see :func:`rher.tasks`, or one of :data:`rher.IDS`.
+    :param reward_type: ``"sparse"`` rewards with 0 when every object is at its place and with -1
+        otherwise, ``"dense"`` with minus the length of ``desired_goal - achieved_goal``, in meters.
     :param options: settings of this task, such as ``{"noise": 0.0}`` for ``cue-push``.
     :param randomize: ranges of what is drawn for every episode, such as ``{"friction": (0.5, 1.5)}``:
         ``friction``, ``mass``, ``size`` (factors), ``sensor_noise`` (meters) and ``action_delay``
@@ -87,8 +104,9 @@ class TaskEnv(gymnasium.Env):
         self,
         task: str,
         *,
-        options: dict[str, Any] | None = None,
-        randomize: dict[str, Any] | None = None,
+        reward_type: RewardType = "sparse",
+        options: Mapping[str, Any] | None = None,
+        randomize: Mapping[str, Any] | None = None,
         render_mode: str | None = None,
         width: int = 480,
         height: int = 480,
@@ -97,7 +115,10 @@ class TaskEnv(gymnasium.Env):
             raise InputError(f"render_mode is {render_mode!r}, expected 'rgb_array'")
         self.render_mode = render_mode
         self.width, self.height = whole("width", width, 1, 4096), whole("height", height, 1, 4096)
-        self._env = _rher.Env(text("task", task), options_as_json(options, randomize))
+        self.reward_type = text("reward_type", reward_type)
+        self._env = _rher.Env(
+            task_of(task), options_as_json(options, randomize), self.reward_type
+        )
         self.observation_space, self.action_space = spaces_of(self._env)
 
     @property
@@ -121,24 +142,26 @@ class TaskEnv(gymnasium.Env):
         return self._env.tolerance
 
     def reset(
-        self, *, seed: int | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
+        self, *, seed: int | None = None, options: Mapping[str, Any] | None = None
+    ) -> tuple[Observation, dict[str, Any]]:
         """Starts the next episode.
 
         With a seed this is the first episode of that seed, and those that follow without one
         follow from it: a run of episodes repeats bitwise, on every machine.
+
+        :param options: what is not drawn in this episode: ``"goal"``, the ``desired_goal``,
+            ``(3 * objects,)`` in meters; ``"layout"``, where the objects start, as in
+            ``achieved_goal``; ``"turns"``, how far they are turned about the vertical,
+            ``(objects,)`` in radians.
         """
         seed = as_seed(seed)
-        if options:
-            raise InputError(f"reset takes no options, got {options}")
+        begun = beginning(options, self.objects)
         super().reset(seed=seed)
         if seed is None and not self._env.is_seeded:
             seed = int(self.np_random.integers(2**63))
-        return self._env.reset(seed)
+        return self._env.reset(seed, begun)
 
-    def step(
-        self, action: np.ndarray
-    ) -> tuple[dict[str, np.ndarray], float, bool, bool, dict[str, Any]]:
+    def step(self, action: Action) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """Acts for one step of 40 ms.
 
         Numbers outside of -1 and 1 are clipped.
@@ -146,20 +169,20 @@ class TaskEnv(gymnasium.Env):
         return self._env.step(action)
 
     def compute_reward(
-        self, achieved_goal: np.ndarray, desired_goal: np.ndarray, info: Any
-    ) -> np.ndarray:
-        """Rewards of goals ``(..., 3 * objects)``: ``(...)``, -1 or 0; ``info`` is not used."""
+        self, achieved_goal: ArrayLike, desired_goal: ArrayLike, info: Any
+    ) -> Any:
+        """Rewards of goals ``(..., 3 * objects)``: ``(...)``; ``info`` is not used."""
         rewards = self._env.compute_reward(achieved_goal, desired_goal)
         return rewards if rewards.ndim else rewards[()]
 
     def compute_terminated(
-        self, achieved_goal: np.ndarray, desired_goal: np.ndarray, info: Any
+        self, achieved_goal: ArrayLike, desired_goal: ArrayLike, info: Any
     ) -> bool:
         """False: reaching the goal ends nothing."""
         return False
 
     def compute_truncated(
-        self, achieved_goal: np.ndarray, desired_goal: np.ndarray, info: Any
+        self, achieved_goal: ArrayLike, desired_goal: ArrayLike, info: Any
     ) -> bool:
         """False: the wrapper of ``gymnasium.make`` ends episodes."""
         return False
@@ -173,7 +196,7 @@ class TaskEnv(gymnasium.Env):
 
     def set_state(
         self, state: "_rher.State"
-    ) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
+    ) -> tuple[Observation, dict[str, Any]]:
         """Returns to a moment of an environment like this one, and returns its observation and info.
 
         What follows is, bit for bit, what followed there.
@@ -182,7 +205,7 @@ class TaskEnv(gymnasium.Env):
             raise InputError(f"state is {state!r}, expected what get_state returned")
         return self._env.set_state(state)
 
-    def render(self) -> np.ndarray | None:
+    def render(self) -> NDArray[np.uint8] | None:  # type: ignore[override]
         """A picture ``(height, width, 3)`` of 8-bit numbers with marks at the goals.
 
         It is None without a ``render_mode``.
@@ -198,14 +221,16 @@ class TaskEnv(gymnasium.Env):
 
 def register() -> None:
     """Registers the ids with Gymnasium."""
-    for name, task in IDS.items():
+    steps = {task: _rher.Env(task, "{}").episode_steps for task in IDS.values()}
+    kinds = {"sparse": IDS, "dense": DENSE_IDS}
+    for kind, name, task in ((kind, *item) for kind, ids in kinds.items() for item in ids.items()):
         gymnasium.register(
             id=name,
             entry_point="rher.env:TaskEnv",
             vector_entry_point="rher.vector:TaskVectorEnv",
-            max_episode_steps=_rher.Env(task, "{}").episode_steps,
+            max_episode_steps=steps[task],
             # Both are done by the environment itself, at a fraction of the cost.
             order_enforce=False,
             disable_env_checker=True,
-            kwargs={"task": task},
+            kwargs={"task": task, "reward_type": kind},
         )
