@@ -1,12 +1,13 @@
 //! A run whose environment is known at run time only.
 
 use rher_core::RunId;
-use rher_core::config::TrainConfig;
+use rher_core::config::{EngineKind, Precision, TrainConfig};
 use rher_core::env::Env;
 use rher_core::event::{Observer, Progress};
 use rher_core::policy::Policy;
 use rher_core::train::{Finish, Pretrained, TrainError, Trainer};
 use rher_envs::{EnvVisitor, Simulated};
+use serde::Deserialize;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
@@ -79,14 +80,22 @@ impl<const N: usize, E: Env<N>> AnyTrainer for Trainer<N, E> {
     }
 }
 
+/// What a resumed run may have otherwise than before.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Changes {
+    pub(crate) engine: Option<EngineKind>,
+    pub(crate) precision: Option<Precision>,
+}
+
 /// Where a run begins.
 pub(crate) enum Start {
     /// With nothing learned.
     New(Box<TrainConfig>),
     /// With what another run has learned.
     From(Box<Pretrained>, Box<TrainConfig>),
-    /// At the last checkpoint in this folder.
-    Resumed(PathBuf),
+    /// At the last checkpoint in this folder, with what is changed.
+    Resumed(PathBuf, Changes),
 }
 
 impl Start {
@@ -101,7 +110,9 @@ impl Start {
             Self::From(pretrained, config) => {
                 Box::new(Trainer::new_from(&pretrained, *config, envs, workers)?)
             }
-            Self::Resumed(folder) => Box::new(Trainer::resume(&folder, envs, workers)?),
+            Self::Resumed(folder, Changes { engine, precision }) => {
+                Box::new(Trainer::resume_on(engine, precision, &folder, envs, workers)?)
+            }
         })
     }
 }

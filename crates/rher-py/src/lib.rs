@@ -7,6 +7,7 @@
 
 mod any_env;
 mod any_pool;
+mod any_recorder;
 mod any_trainer;
 mod arrays;
 mod command;
@@ -23,6 +24,7 @@ mod state;
 mod threads;
 mod train;
 mod vector;
+mod watch;
 
 use pyo3::exceptions::PyImportError;
 use pyo3::prelude::*;
@@ -45,7 +47,7 @@ mod _rher {
     #[pymodule_export]
     use super::state::State;
     #[pymodule_export]
-    use super::train::{Trainer, run_settings};
+    use super::train::{Trainer, run_settings, run_state};
     #[pymodule_export]
     use super::vector::VectorEnv;
     use super::{Bound, PyImportError, PyModule, PyResult, Simd};

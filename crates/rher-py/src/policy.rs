@@ -6,7 +6,7 @@ use crate::error::{FileError, InputError, PolicyError, told, unlocked};
 use crate::places::Places;
 use numpy::{PyArray1, PyArrayDyn, PyArrayMethods as _};
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict, PyTuple, PyType};
+use pyo3::types::{PyBytes, PyMapping, PyTuple, PyType};
 use rher_core::env::EnvSpec;
 use rher_core::goal::{Achieved, Desired, Leg, Scene};
 use rher_core::policy::{Policy as CorePolicy, PolicyError as CorePolicyError, PolicyInfo};
@@ -204,10 +204,10 @@ impl Policy {
         goal: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<(Vec<usize>, Given)> {
         let PolicyInfo { objects, obs_dim: width, .. } = *self.frozen.info();
-        let dict = observation.cast::<PyDict>().ok();
-        let item = |name| match &dict {
-            Some(dict) => dict.get_item(name),
-            None => Ok(None),
+        let mapping = observation.cast::<PyMapping>().ok();
+        let item = |name| match &mapping {
+            Some(mapping) if mapping.contains(name)? => mapping.get_item(name).map(Some),
+            _ => Ok(None),
         };
         let (goal_of_dict, achieved) = (item("desired_goal")?, item("achieved_goal")?);
         let read = |what, array: &Bound<'py, PyAny>, width| {

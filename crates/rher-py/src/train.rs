@@ -1,6 +1,7 @@
 //! Runs, started from Python.
 
-use crate::any_trainer::{AnyTrainer, OfTask, Start};
+use crate::any_recorder::{self, Recorded};
+use crate::any_trainer::{AnyTrainer, Changes, OfTask, Start};
 use crate::error::{
     EnvError, FileError, InputError, InternalError, PolicyError, SettingsError, StateError,
     TrainError, told, unlocked,
@@ -8,29 +9,28 @@ use crate::error::{
 use crate::foreign::{About, Foreign, Raised};
 use crate::policy::Policy;
 use crate::threads::allowed;
+use crate::watch::{Files, Told, Watch, watch};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyType};
-use rher_core::config::{Method, Preset, TrainConfig};
-use rher_core::event::{Event, ObserverError, Progress};
+use pyo3::types::PyType;
+use rher_core::config::{EngineKind, Method, Precision, Preset, TrainConfig};
 use rher_core::files::FileError as CoreFileError;
 use rher_core::policy::PolicyError as CorePolicyError;
 use rher_core::train::checkpoint::{self, CheckpointError};
 use rher_core::train::{Finish, PretrainedError, TrainError as CoreTrainError};
 use rher_envs::{Options, Task};
 use rher_runs::{
-    Asked, CONFIG_FILE, ConfigFile, ConfigFileError, MetricsError, MetricsFile, RunDir,
-    RunDirError, Settings, SettingsError as CoreSettingsError, read_pretrained, settings,
+    Asked, CONFIG_FILE, ConfigFile, ConfigFileError, EventFile, MetricsError, MetricsFile, RunDir,
+    RunDirError, Settings, SettingsError as CoreSettingsError, State, list, read_pretrained,
+    settings,
 };
 use serde::Deserialize;
 use std::collections::BTreeMap;
+use std::num::NonZeroU64;
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::sync::atomic::AtomicBool;
+use std::sync::mpsc::{Sender, channel};
 use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
-use std::time::Duration;
-
-/// How often Python may handle signals during a run.
-const SIGNALS: Duration = Duration::from_millis(50);
+use std::time::{Duration, Instant};
 
 /// The settings that Python passes.
 #[derive(Deserialize)]
@@ -43,14 +43,22 @@ struct Arguments {
     seed: Option<u64>,
     env_steps: Option<u64>,
     until: Option<f32>,
+    engine: Option<EngineKind>,
+    precision: Option<Precision>,
+    envs: Option<u64>,
+}
+
+impl Changes {
+    fn parse(json: &str) -> PyResult<Self> {
+        serde_json::from_str(json).map_err(|error| SettingsError::new_err(told(&error)))
+    }
 }
 
 impl Arguments {
     fn parse(json: &str) -> PyResult<Asked> {
-        let Self { preset, config, set, method, seed, env_steps, until } =
+        let Self { preset, config, set, method, seed, env_steps, until, engine, precision, envs } =
             serde_json::from_str(json).map_err(|error| SettingsError::new_err(told(&error)))?;
         let set = set.into_iter().collect();
-        let (engine, precision, envs) = (None, None, None);
         Ok(Asked { preset, config, set, method, seed, env_steps, until, engine, precision, envs })
     }
 }
@@ -66,6 +74,9 @@ pub(crate) struct Trainer {
 type Sessions<'a> = MutexGuard<'a, Option<Session>>;
 
 struct Session {
+    /// None if it is on an environment of the user's.
+    task: Option<Task>,
+    options: Options,
     trainer: Box<dyn AnyTrainer>,
     folder: RunDir,
     metrics: MetricsFile,
@@ -97,7 +108,7 @@ impl Trainer {
             let trainer = trainer.map_err(|error| SettingsError::new_err(told(&error)))?;
             let trainer = trainer.map_err(|error| from_train(&error, None))?;
             let folder = RunDir::create(&path).map_err(from_run_dir)?;
-            Self::begun(trainer, folder, options, Raised::default())
+            Self::begun(trainer, folder, Some(task), options, Raised::default())
         })?
     }
 
@@ -123,7 +134,7 @@ impl Trainer {
             let start = new_run(config, from_run)?;
             let trainer = on_foreign(env, &about, start, workers, &raised)?;
             let folder = RunDir::create(&path).map_err(from_run_dir)?;
-            Self::begun(trainer, folder, Options::default(), raised)
+            Self::begun(trainer, folder, None, Options::default(), raised)
         })?
     }
 
@@ -134,17 +145,19 @@ impl Trainer {
         folder: PathBuf,
         foreign: Option<(Py<PyAny>, String)>,
         workers: Option<usize>,
+        changes: &str,
     ) -> PyResult<Self> {
         let workers = threads(workers)?;
+        let changes = Changes::parse(changes)?;
         unlocked(cls.py(), || {
             let folder = RunDir::open(&folder).map_err(from_run_dir)?;
             let checkpointed = |error: CheckpointError| from_checkpoint(&error);
             let config = checkpoint::read_config(folder.path()).map_err(checkpointed)?;
-            let start = Start::Resumed(folder.path().to_owned());
+            let start = Start::Resumed(folder.path().to_owned(), changes);
             let raised = Raised::default();
-            let (trainer, options) = if let Some((env, about)) = foreign {
+            let (trainer, task, options) = if let Some((env, about)) = foreign {
                 let about = parse_about(&about)?;
-                (on_foreign(env, &about, start, workers, &raised)?, Options::default())
+                (on_foreign(env, &about, start, workers, &raised)?, None, Options::default())
             } else {
                 let task: Task = config.task.parse().map_err(|_| {
                     InputError::new_err(format!(
@@ -157,12 +170,12 @@ impl Trainer {
                 let visitor = OfTask { start, envs: config.envs, workers };
                 let trainer = task.visit_with(&options, visitor);
                 let trainer = trainer.map_err(|error| SettingsError::new_err(told(&error)))?;
-                (trainer.map_err(|error| from_train(&error, None))?, options)
+                (trainer.map_err(|error| from_train(&error, None))?, Some(task), options)
             };
             let metrics =
                 MetricsFile::resume(&folder.metrics(), trainer.id(), trainer.evaluations())
                     .map_err(|error| from_metrics(&error))?;
-            Self::ready(trainer, folder, options, raised, metrics)
+            Self::ready(trainer, folder, task, options, raised, metrics)
         })?
     }
 
@@ -170,6 +183,37 @@ impl Trainer {
     #[getter]
     fn folder(&self) -> PathBuf {
         self.folder.clone()
+    }
+
+    /// Name of the task or of the environment.
+    #[getter]
+    fn task(&self) -> PyResult<String> {
+        Ok(open(&mut self.lock()?)?.trainer.config().task.clone())
+    }
+
+    /// Environment steps and success rate that end the run.
+    #[getter]
+    fn end(&self) -> PyResult<(u64, f32)> {
+        let mut session = self.lock()?;
+        let config = open(&mut session)?.trainer.config();
+        Ok((config.env_steps, config.until))
+    }
+
+    /// Ends the run after other environment steps, or at another success rate.
+    #[pyo3(signature = (env_steps=None, until=None))]
+    fn set_end(&self, env_steps: Option<u64>, until: Option<f32>) -> PyResult<()> {
+        let mut guard = self.lock()?;
+        let session = open(&mut guard)?;
+        if let Some(env_steps) = env_steps {
+            session.trainer.set_env_steps(env_steps);
+        }
+        if let Some(until) = until {
+            if !(0.0..=1.0).contains(&until) {
+                return Err(SettingsError::new_err(format!("until is {until}, expected 0 to 1")));
+            }
+            session.trainer.set_until(until);
+        }
+        session.write_settings()
     }
 
     /// Environment steps of training so far.
@@ -194,36 +238,32 @@ impl Trainer {
         }
     }
 
-    /// Trains until the end of the run: `solved`, `steps-spent`.
-    #[pyo3(signature = (env_steps=None, until=None, on_event=None))]
+    /// Trains until the end of the run, or for `max_wall` seconds: `solved`, `steps-spent`,
+    /// `stopped`.
+    #[pyo3(signature = (
+        on_event=None, max_wall=None, record_every=None, tensorboard=false
+    ))]
     fn learn(
         &self,
         py: Python<'_>,
-        env_steps: Option<u64>,
-        until: Option<f32>,
         on_event: Option<Py<PyAny>>,
+        max_wall: Option<f64>,
+        record_every: Option<NonZeroU64>,
+        tensorboard: bool,
     ) -> PyResult<&'static str> {
+        let end = match max_wall.map(Duration::try_from_secs_f64).transpose() {
+            Ok(left) => left.map(|left| Instant::now() + left),
+            Err(error) => return Err(InputError::new_err(format!("max_wall: {error}"))),
+        };
         let mut guard = self.lock()?;
         let session = open(&mut guard)?;
-        if let Some(env_steps) = env_steps {
-            session.trainer.set_env_steps(env_steps);
-        }
-        if let Some(until) = until {
-            if !(0.0..=1.0).contains(&until) {
-                return Err(SettingsError::new_err(format!("until is {until}, expected 0 to 1")));
-            }
-            session.trainer.set_until(until);
-        }
+        let files = unlocked(py, || session.files(record_every, tensorboard))??;
         let stop = AtomicBool::new(false);
         let (ran, watched) = unlocked(py, || {
             std::thread::scope(|scope| {
                 let (tell, told) = channel();
-                let training = scope.spawn(|| {
-                    session.run(&stop, move |event| {
-                        let _ = tell.send(event.clone());
-                    })
-                });
-                let watched = watch(&told, &stop, on_event.as_ref());
+                let training = scope.spawn(|| session.run(files, &stop, tell));
+                let watched = watch(&told, &stop, end, on_event.as_ref());
                 (training.join(), watched)
             })
         })?;
@@ -247,25 +287,26 @@ impl Trainer {
     fn begun(
         trainer: Box<dyn AnyTrainer>,
         folder: RunDir,
+        task: Option<Task>,
         options: Options,
         raised: Raised,
     ) -> PyResult<Self> {
         let metrics = MetricsFile::create(&folder.metrics(), trainer.id());
         let metrics = metrics.map_err(|error| from_write(&error))?;
-        Self::ready(trainer, folder, options, raised, metrics)
+        Self::ready(trainer, folder, task, options, raised, metrics)
     }
 
     fn ready(
         trainer: Box<dyn AnyTrainer>,
         folder: RunDir,
+        task: Option<Task>,
         options: Options,
         raised: Raised,
         metrics: MetricsFile,
     ) -> PyResult<Self> {
-        let config = trainer.config().clone();
-        folder.write_config(&Settings { config, options }, trainer.id()).map_err(from_run_dir)?;
         let path = folder.path().to_owned();
-        let session = Session { trainer, folder, metrics, raised };
+        let session = Session { task, options, trainer, folder, metrics, raised };
+        session.write_settings()?;
         Ok(Self { folder: path, session: Mutex::new(Some(session)) })
     }
 
@@ -279,23 +320,22 @@ impl Trainer {
 }
 
 impl Session {
+    /// Every setting, as it is now.
+    fn settings(&self) -> Settings {
+        Settings { config: self.trainer.config().clone(), options: self.options.clone() }
+    }
+
+    fn write_settings(&self) -> PyResult<()> {
+        self.folder.write_config(&self.settings(), self.trainer.id()).map_err(from_run_dir)
+    }
+
     /// Trains; what was learned before an environment failed is saved.
-    fn run(&mut self, stop: &AtomicBool, tell: impl Fn(&Event)) -> PyResult<Finish> {
-        let Self { trainer, folder, metrics, raised } = self;
-        let mut observer = |event: &Event| {
-            if matches!(event, Event::Evaluated(_) | Event::Saving) {
-                folder.check().map_err(|error| ObserverError(error.into()))?;
-            }
-            if let Event::Evaluated(line) = event {
-                metrics.append(line).map_err(|error| ObserverError(error.into()))?;
-            }
-            // Python hears of what is saved, not of what is about to be.
-            if !matches!(event, Event::Saving) {
-                tell(event);
-            }
-            Ok(())
-        };
-        let error = match trainer.run(folder.path(), &mut observer, stop) {
+    fn run(&mut self, files: Files, stop: &AtomicBool, tell: Sender<Told>) -> PyResult<Finish> {
+        let Self { trainer, folder, metrics, raised, .. } = self;
+        let mut watch = Watch { folder, metrics, files, tell };
+        let ran = trainer.run(folder.path(), &mut watch, stop);
+        watch.finish();
+        let error = match ran {
             Ok(finish) => return Ok(finish),
             Err(error) => error,
         };
@@ -308,60 +348,32 @@ impl Session {
         }
         Err(from_train(&error, raised))
     }
-}
 
-/// Tells Python of events, and lets it handle signals, until the run is over. An exception of
-/// either stops the run.
-fn watch(told: &Receiver<Event>, stop: &AtomicBool, on_event: Option<&Py<PyAny>>) -> PyResult<()> {
-    let mut watched = Ok(());
-    loop {
-        let event = match told.recv_timeout(SIGNALS) {
-            Ok(event) => Some(event),
-            Err(RecvTimeoutError::Timeout) => None,
-            Err(RecvTimeoutError::Disconnected) => return watched,
-        };
-        let handled = Python::attach(|py| {
-            py.check_signals()?;
-            if let (Some(event), Some(on_event), Ok(())) = (event, on_event, &watched) {
-                on_event.call1(py, (as_dict(py, &event)?,))?;
+    /// The files that are written beside the metrics.
+    fn files(&mut self, record_every: Option<NonZeroU64>, tensorboard: bool) -> PyResult<Files> {
+        let settings = self.settings();
+        let Self { trainer, folder, task, .. } = self;
+        let recorder = match (record_every, task) {
+            (Some(every), Some(task)) => {
+                let (folder, run) = (folder.path(), trainer.id());
+                let recorded = Recorded { every, folder, run, settings: &settings };
+                let recorder = any_recorder::build(*task, recorded);
+                let recorder = recorder.map_err(|error| SettingsError::new_err(told(&error)))?;
+                Some(recorder.map_err(from_settings)?)
             }
-            PyResult::Ok(())
-        });
-        if let Err(error) = handled {
-            stop.store(true, Ordering::Relaxed);
-            watched = Err(error);
-        }
+            (Some(_), None) => {
+                return Err(InputError::new_err(
+                    "record_every is for tasks of this package: an environment of yours cannot be \
+                     simulated again",
+                ));
+            }
+            (None, _) => None,
+        };
+        let started_at = trainer.progress().env_steps;
+        let events = tensorboard.then(|| EventFile::create(folder.path(), started_at));
+        let events = events.transpose().map_err(|error| from_write(&error))?;
+        Ok(Files { recorder, events })
     }
-}
-
-/// An event as a Python dictionary.
-fn as_dict<'py>(py: Python<'py>, event: &Event) -> PyResult<Bound<'py, PyDict>> {
-    let (kind, dict) = match event {
-        Event::Progress(Progress { env_steps, episodes, updates }) => {
-            let dict = PyDict::new(py);
-            dict.set_item("env_steps", env_steps)?;
-            dict.set_item("episodes", episodes)?;
-            dict.set_item("updates", updates)?;
-            ("progress", dict)
-        }
-        Event::Evaluated(metrics) => {
-            let json = serde_json::to_string(metrics);
-            let json = json.map_err(|error| InternalError::new_err(told(&error)))?;
-            let dict = py.import("json")?.call_method1("loads", (json,))?;
-            ("evaluated", dict.cast_into::<PyDict>()?)
-        }
-        // Nobody asks for these here.
-        Event::Explored(script) => {
-            let dict = PyDict::new(py);
-            dict.set_item("episode", script.number)?;
-            dict.set_item("seed", script.seed)?;
-            ("explored", dict)
-        }
-        Event::Saved => ("saved", PyDict::new(py)),
-        _ => ("other", PyDict::new(py)),
-    };
-    dict.set_item("kind", kind)?;
-    Ok(dict)
 }
 
 /// The settings of a run, as JSON.
@@ -376,6 +388,21 @@ pub(crate) fn run_settings(folder: PathBuf) -> PyResult<String> {
         FileError::new_err(format!("cannot read `{}`: there is no such file", path.display()))
     })?;
     serde_json::to_string(&file.into_table()).map_err(|error| SettingsError::new_err(told(&error)))
+}
+
+/// Whether a run goes on: `running`, `solved`, `spent` or `stopped`.
+#[pyfunction]
+pub(crate) fn run_state(folder: PathBuf) -> PyResult<&'static str> {
+    let listed = list(&folder).map_err(|error| from_write(&error))?;
+    let Some(listed) = listed.into_iter().next() else {
+        return Err(FileError::new_err(format!("`{}` holds no run", folder.display())));
+    };
+    Ok(match listed.map_err(|error| FileError::new_err(told(&error)))?.state {
+        State::Running => "running",
+        State::Solved => "solved",
+        State::Spent => "spent",
+        State::Stopped => "stopped",
+    })
 }
 
 fn parse_about(json: &str) -> PyResult<About> {

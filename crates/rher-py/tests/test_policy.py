@@ -1,7 +1,9 @@
 """Policies: what they are given, what they return, and what is refused."""
 
 import copy
+import multiprocessing
 import pickle
+from types import MappingProxyType
 
 import gymnasium
 import numpy as np
@@ -94,6 +96,21 @@ def test_policies_are_copied_and_pickled(name, path):
         assert np.array_equal(twin(seen), policy(seen))
     with pytest.raises(rher.PolicyError, match="a pickled policy"):
         rher.Policy._from_bytes(b"junk" * 100)
+
+
+def test_policies_go_to_processes_that_are_spawned(path):
+    policy = rher.Policy.load(path("push"))
+    seen, _ = gymnasium.make("rher/Push-v0").reset(seed=0)
+    with multiprocessing.get_context("spawn").Pool(2) as pool:
+        actions = pool.starmap(policy, [(seen,)] * 3)
+        again = pool.apply(policy.begin(seen), (seen,))
+    assert all(np.array_equal(action, policy(seen)) for action in [*actions, again])
+
+
+def test_every_mapping_is_an_observation(path):
+    policy = rher.Policy.load(path("push"))
+    seen, _ = gymnasium.make("rher/Push-v0").reset(seed=0)
+    assert np.array_equal(policy(MappingProxyType(seen)), policy(seen))
 
 
 def test_a_number_that_is_not_finite_is_named_with_its_row(path):

@@ -10,13 +10,14 @@ Importing this package registers its environments with Gymnasium::
 
 from rher import env as _env
 from rher._rher import Policy, State, __version__, tasks
-from rher.env import IDS, TaskEnv
+from rher.env import DENSE_IDS, IDS, TaskEnv
 from rher.errors import (
     ClusterError,
     EnvError,
     FileError,
     InputError,
     InternalError,
+    MissingError,
     PolicyError,
     RherError,
     SettingsError,
@@ -24,16 +25,19 @@ from rher.errors import (
     TrainError,
 )
 from rher.run import Run
-from rher.training import Trainer, resume, train
+from rher.trainer import Trainer
+from rher.training import resume, train
 from rher.vector import TaskVectorEnv
 
 __all__ = [
+    "DENSE_IDS",
     "IDS",
     "ClusterError",
     "EnvError",
     "FileError",
     "InputError",
     "InternalError",
+    "MissingError",
     "Policy",
     "PolicyError",
     "RherError",

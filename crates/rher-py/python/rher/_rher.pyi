@@ -1,7 +1,7 @@
 """The compiled half of the package; use the package itself."""
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, final
 
 import numpy as np
@@ -10,17 +10,24 @@ import numpy.typing as npt
 _Observation = dict[str, npt.NDArray[np.float64]]
 _Info = dict[str, Any]
 _Path = str | os.PathLike[str]
+_Beginning = tuple[list[float] | None, list[float] | None, list[float] | None]
 
 __version__: str
 
 def tasks() -> list[str]:
     """Names of the tasks, the simplest first."""
 
+def subtasks(task: str) -> list[str]:
+    """What the sub-tasks of a task are called, in their order."""
+
 def main(arguments: Sequence[str], interpreter: _Path, program: Sequence[str]) -> int:
     """Does what a command line says; returns the exit status."""
 
 def run_settings(folder: _Path) -> str:
     """The settings of a run, as JSON."""
+
+def run_state(folder: _Path) -> str:
+    """Whether a run goes on: ``running``, ``solved``, ``spent`` or ``stopped``."""
 
 @final
 class State:
@@ -30,7 +37,7 @@ class State:
 class Env:
     """An environment of one task."""
 
-    def __new__(cls, task: str, options: str) -> Env: ...
+    def __new__(cls, task: str, options: str, reward_type: str = "sparse") -> Env: ...
     @property
     def task(self) -> str: ...
     @property
@@ -47,7 +54,9 @@ class Env:
     def tolerance(self) -> float: ...
     @property
     def is_seeded(self) -> bool: ...
-    def reset(self, seed: int | None = None) -> tuple[_Observation, _Info]: ...
+    def reset(
+        self, seed: int | None = None, begun: _Beginning | None = None
+    ) -> tuple[_Observation, _Info]: ...
     def step(
         self, action: npt.ArrayLike
     ) -> tuple[_Observation, float, bool, bool, _Info]: ...
@@ -66,8 +75,12 @@ class VectorEnv:
     def __new__(cls, made: dict[str, Any]) -> VectorEnv: ...
     @property
     def is_seeded(self) -> bool: ...
-    def reset(self, seeds: Sequence[int] | None = None) -> tuple[_Observation, _Info]: ...
-    def reset_where(self, mask: Sequence[bool]) -> tuple[_Observation, _Info]: ...
+    def reset(
+        self, seeds: Sequence[int] | None = None, begun: list[_Beginning] | None = None
+    ) -> tuple[_Observation, _Info]: ...
+    def reset_where(
+        self, mask: Sequence[bool], begun: list[_Beginning] | None = None
+    ) -> tuple[_Observation, _Info]: ...
     def step(
         self, actions: npt.ArrayLike
     ) -> tuple[
@@ -78,6 +91,7 @@ class VectorEnv:
         _Info,
     ]: ...
     def last(self) -> tuple[_Observation, _Info]: ...
+    def render(self, width: int, height: int) -> list[npt.NDArray[np.uint8]]: ...
     def get_state(self) -> bytes: ...
     def set_state(self, state: bytes) -> tuple[_Observation, _Info]: ...
     def close(self) -> None: ...
@@ -115,7 +129,7 @@ class Policy:
 
     def __call__(
         self,
-        observation: npt.ArrayLike | dict[str, npt.ArrayLike],
+        observation: npt.ArrayLike | Mapping[str, npt.ArrayLike],
         goal: npt.ArrayLike | None = None,
     ) -> npt.NDArray[np.float32]:
         """The action for an observation, or the actions for a batch of them.
@@ -129,7 +143,7 @@ class Policy:
 
     def predict(
         self,
-        observation: npt.ArrayLike | dict[str, npt.ArrayLike],
+        observation: npt.ArrayLike | Mapping[str, npt.ArrayLike],
         state: object = None,
         episode_start: object = None,
         deterministic: bool = True,
@@ -142,7 +156,7 @@ class Policy:
 
     def begin(
         self,
-        observation: npt.ArrayLike | dict[str, npt.ArrayLike],
+        observation: npt.ArrayLike | Mapping[str, npt.ArrayLike],
         goal: npt.ArrayLike | None = None,
     ) -> Policy:
         """The policy for the episode that begins here, or for a batch of episodes.
@@ -177,18 +191,24 @@ class Trainer:
     ) -> Trainer: ...
     @classmethod
     def resumed(
-        cls, folder: _Path, foreign: tuple[Any, str] | None, workers: int | None
+        cls, folder: _Path, foreign: tuple[Any, str] | None, workers: int | None, changes: str
     ) -> Trainer: ...
     @property
     def folder(self) -> os.PathLike[str]: ...
+    @property
+    def task(self) -> str: ...
+    @property
+    def end(self) -> tuple[int, float]: ...
+    def set_end(self, env_steps: int | None = None, until: float | None = None) -> None: ...
     @property
     def env_steps(self) -> int: ...
     @property
     def policy(self) -> Policy: ...
     def learn(
         self,
-        env_steps: int | None = None,
-        until: float | None = None,
         on_event: Callable[[dict[str, Any]], object] | None = None,
+        max_wall: float | None = None,
+        record_every: int | None = None,
+        tensorboard: bool = False,
     ) -> str: ...
     def close(self) -> None: ...

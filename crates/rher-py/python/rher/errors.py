@@ -8,6 +8,7 @@ __all__ = [
     "FileError",
     "InputError",
     "InternalError",
+    "MissingError",
     "PolicyError",
     "RherError",
     "SettingsError",
@@ -50,6 +51,10 @@ class TrainError(RherError, RuntimeError):
 
 class ClusterError(RherError, RuntimeError):
     """Ray is not installed, or its cluster cannot be reached."""
+
+
+class MissingError(RherError, ImportError):
+    """A package is not installed that only a part of ``rher`` needs."""
 
 
 class InternalError(RherError, RuntimeError):

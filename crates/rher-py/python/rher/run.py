@@ -2,14 +2,21 @@
 
 import json
 import os
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rher import _rher
 from rher._arguments import path as as_path
-from rher.errors import FileError
+from rher._arguments import table, whole
+from rher._command import output
+from rher.errors import FileError, InputError, MissingError
+
+if TYPE_CHECKING:
+    import pandas
 
 __all__ = ["Run"]
 
@@ -31,12 +38,20 @@ class Run:
         return json.loads(_rher.run_settings(self.path))
 
     @property
+    def state(self) -> Literal["running", "solved", "spent", "stopped"]:
+        """Whether it goes on: ``"running"`` somewhere, ``"solved"``, ``"spent"`` when it has taken all
+        of its steps, or ``"stopped"``, so that :func:`rher.resume` continues it.
+        """
+        state: Any = _rher.run_state(self.path)
+        return state
+
+    @property
     def policy(self) -> "_rher.Policy":
         """The policy as it was last saved."""
         return _rher.Policy.load(self.path / "policy.safetensors")
 
     @property
-    def metrics(self) -> dict[str, np.ndarray]:
+    def metrics(self) -> dict[str, NDArray[Any]]:
         """Every metric as an array with a row for each evaluation.
 
         Keys of parts are dotted (``time.update``); lists, such as ``success`` of every sub-task,
@@ -57,6 +72,107 @@ class Run:
         # The identity of the run and the checksum of the line are no metrics.
         keys = [key for key in (rows[0] if rows else ()) if key not in ("run", "crc32")]
         return {key: np.array([_number(row.get(key)) for row in rows]) for key in keys}
+
+    def to_pandas(self) -> "pandas.DataFrame":
+        """The metrics as a table of pandas, with a row for each evaluation.
+
+        Lists have a column for each part, counted from 1: ``success.1``, ``success.2``.
+
+        :raise MissingError: without pandas.
+        """
+        try:
+            import pandas
+        except ImportError as error:
+            raise MissingError(
+                "pandas is not installed: `pip install 'rher[pandas]'` installs it"
+            ) from error
+        columns: dict[str, NDArray[Any]] = {}
+        for name, values in self.metrics.items():
+            if values.ndim == 1:
+                columns[name] = values
+            else:
+                parts = values.reshape(len(values), -1).T
+                columns |= {f"{name}.{part}": column for part, column in enumerate(parts, start=1)}
+        return pandas.DataFrame(columns)
+
+    def evaluate(
+        self,
+        *,
+        episodes: int = 100,
+        seed: int | None = None,
+        set: Mapping[str, Any] | None = None,
+        workers: int | None = None,
+    ) -> dict[str, Any]:
+        """Success of the policy, as ``rher eval`` measures it.
+
+        :param episodes: number of episodes of each sub-task.
+        :param seed: of the episodes; by default one that training has not evaluated with.
+        :param set: settings of the environments that are other than in training, such as
+            ``{"randomize.friction": (0.5, 1.5)}``.
+        :param workers: number of threads; it never changes the result.
+        :return: ``success_final`` with ``ci95``, its 95 % interval; ``success`` of each sub-task,
+            ``final_distance`` in meters, and more.
+        """
+        arguments = ["--episodes", str(whole("episodes", episodes, 1, 2**31 - 1)), "--json"]
+        if seed is not None:
+            arguments += ["--seed", str(whole("seed", seed, 0, 2**64 - 1))]
+        for key, value in table("set", set).items():
+            arguments += ["--set", f"{key}={json.dumps(value)}"]
+        if workers is not None:
+            arguments += ["--workers", str(whole("workers", workers, 1, 2**16))]
+        report: dict[str, Any] = json.loads(self._rher("eval", *arguments))
+        return report
+
+    def play(
+        self, out: str | os.PathLike[str], *, episodes: int = 1, seed: int = 0
+    ) -> Path:
+        """Plays episodes of the policy and draws or records them, like ``rher play``.
+
+        :param out: the file; its ending says what it is: ``.gif`` an animation, ``.mcap`` a
+            recording for Foxglove.
+        :param episodes: number of episodes.
+        :param seed: of the episodes.
+        :return: the file.
+        """
+        file = Path(as_path("out", out))
+        option = {".gif": "--gif", ".mcap": "--mcap"}.get(file.suffix)
+        if option is None:
+            raise InputError(f"out is `{file}`, expected a name that ends in .gif or .mcap")
+        episodes = whole("episodes", episodes, 1, 2**31 - 1)
+        seed = whole("seed", seed, 0, 2**64 - 1)
+        self._rher("play", "--episodes", str(episodes), "--seed", str(seed), option, str(file))
+        return file
+
+    def plot(
+        self, out: str | os.PathLike[str], *others: "Run", x: Literal["steps", "time"] = "steps"
+    ) -> Path:
+        """Draws learning curves, like ``rher plot``.
+
+        :param out: the picture, whose name ends in ``.svg`` or ``.png``.
+        :param others: runs that are drawn, too; several seeds are one line with a band.
+        :param x: environment steps or the wall clock.
+        :return: the picture.
+        """
+        file = Path(as_path("out", out))
+        if x not in ("steps", "time"):
+            raise InputError(f"x is {x!r}, expected 'steps' or 'time'")
+        folders = [str(run.path) for run in (self, *others)]
+        output("plot", "--x", x, "--out", str(file), "--", *folders)
+        return file
+
+    def _rher(self, verb: str, *arguments: str) -> str:
+        """What the program says about this run.
+
+        :raise InputError: if it is on an environment that the program does not have.
+        """
+        task = self.settings["task"]["name"]
+        if task not in _rher.tasks():
+            raise InputError(
+                f"the run is on an environment of your own, `{task}`, which `rher {verb}` does not "
+                "have: step it with `run.policy`, or give `run.policy` to Stable-Baselines3's "
+                "`evaluate_policy`"
+            )
+        return output(verb, *arguments, "--", str(self.path))
 
     def __repr__(self) -> str:
         return f"Run({str(self.path)!r})"

@@ -19,7 +19,8 @@ from typing import Any
 
 from rher._arguments import path as as_path
 from rher._arguments import whole
-from rher.errors import ClusterError, FileError, InputError
+from rher._command import command, last_error, output
+from rher.errors import ClusterError, FileError, InputError, RherError
 from rher.run import Run
 
 __all__ = ["Cell", "run"]
@@ -121,21 +122,12 @@ def _ray() -> Any:
     return ray
 
 
-def _rher(*arguments: str) -> list[str]:
-    """The command ``rher`` of the interpreter that runs this."""
-    return [sys.executable, "-m", "rher_command", *arguments]
-
-
 def _cells(plan: Path) -> list[Cell]:
     """The cells of a plan; those that are done have the status 0."""
-    ended = subprocess.run(
-        _rher("sweep", "--status", str(plan), "--json"),
-        stdin=subprocess.DEVNULL,
-        capture_output=True,
-        text=True,
-    )
-    if ended.returncode != 0:
-        raise FileError(_last(ended.stderr).removeprefix("error: "))
+    try:
+        listed = output("sweep", "--status", str(plan), "--json")
+    except RherError as error:
+        raise FileError(str(error)) from error
     return [
         Cell(
             number=cell["cell"],
@@ -145,17 +137,17 @@ def _cells(plan: Path) -> list[Cell]:
             folder=plan.parent / cell["folder"],
             status=0 if cell["state"] == "done" else None,
         )
-        for cell in json.loads(ended.stdout)["list"]
+        for cell in json.loads(listed)["list"]
     ]
 
 
 def _train(plan: str, cell: int, cpus: int) -> tuple[int, str]:
     """Trains a cell in a worker; its exit status, and what it said."""
     # It ends like after SIGTERM when this process dies, so that a killed worker leaves nothing behind.
-    command = _rher("sweep", "--plan", plan, "--cell", str(cell), "--workers", str(cpus))
-    command += ["--parent", str(os.getpid())]
+    line = command("sweep", "--plan", plan, "--cell", str(cell), "--workers", str(cpus))
+    line += ["--parent", str(os.getpid())]
     child = subprocess.Popen(
-        command,
+        line,
         stdin=subprocess.DEVNULL,
         stdout=subprocess.DEVNULL,
         stderr=subprocess.PIPE,
@@ -227,7 +219,7 @@ class _Driver:
             number = self.submitted.pop(reference)
             try:
                 status, said = self.ray.get(reference)
-                self.ended(number, status, _last(said))
+                self.ended(number, status, last_error(said))
             except self.ray.exceptions.RayTaskError as error:
                 self.report(
                     "failed", number, None, f"its worker cannot start `rher`: {error.cause!r}"
@@ -286,13 +278,6 @@ def _saved(cell: Cell) -> tuple[int, int] | None:
     except OSError:
         return None
     return file.st_mtime_ns, file.st_ino
-
-
-def _last(said: str) -> str:
-    """The error among the lines that a program said, or else the last line."""
-    lines = [line for line in said.splitlines() if line.strip()]
-    errors = [line for line in lines if line.startswith("error: ")]
-    return (errors or lines or [""])[-1]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -1,38 +1,48 @@
-"""Training on the tasks of this package and on your own environments."""
+"""Training on the tasks of this package."""
 
 import json
 import os
 from collections.abc import Callable, Mapping
-from typing import Any
-
-import gymnasium
-import numpy as np
-from gymnasium import spaces
+from typing import Any, Literal
 
 from rher import _rher
 from rher._arguments import path as as_path
 from rher._arguments import real, table, text, whole
-from rher.errors import EnvError, InputError
+from rher._progress import watcher
+from rher.env import task_of
+from rher.errors import InputError
 from rher.run import Run
 
-__all__ = ["Trainer", "resume", "train"]
+__all__ = ["resume", "train"]
 
+Path = str | os.PathLike[str]
 OnEvent = Callable[[dict[str, Any]], object]
+Preset = Literal["fast", "sample-efficient", "paper"]
+Method = Literal["rher", "her"]
+Engine = Literal["fused", "burn"]
+Precision = Literal["f32", "bf16"]
 
 
 def train(
     task: str,
     *,
     seed: int = 1,
-    preset: str | None = None,
+    preset: Preset | None = None,
     set: Mapping[str, Any] | None = None,
-    config: str | os.PathLike[str] | None = None,
-    method: str | None = None,
+    config: Path | None = None,
+    method: Method | None = None,
     env_steps: int | None = None,
     until: float | None = None,
-    out: str | os.PathLike[str] | None = None,
+    engine: Engine | None = None,
+    precision: Precision | None = None,
+    envs: int | None = None,
+    out: Path | None = None,
     workers: int | None = None,
-    from_run: str | os.PathLike[str] | None = None,
+    from_run: Path | None = None,
+    record_every: int | None = None,
+    tensorboard: bool = False,
+    max_wall: float | None = None,
+    progress: bool | None = None,
     on_event: OnEvent | None = None,
 ) -> Run:
     """Trains on a task, like ``rher train``: the same settings give the same numbers.
@@ -40,7 +50,7 @@ def train(
     Ctrl-C ends the episode, saves everything, and raises ``KeyboardInterrupt``;
     :func:`rher.resume` continues the run.
 
-    :param task: name of the task, see :func:`rher.tasks`.
+    :param task: name of the task, see :func:`rher.tasks`, or one of :data:`rher.IDS`.
     :param seed: seed of every random draw, below 2**63.
     :param preset: ``"fast"`` (the default, with the recipe of the task), ``"sample-efficient"`` or
         ``"paper"``.
@@ -51,291 +61,204 @@ def train(
     :param env_steps: environment steps after which it ends.
     :param until: success rate that ends the run early once two consecutive evaluations reach it; 0
         never does.
+    :param engine: ``"fused"`` (the default) or ``"burn"``, which computes the networks.
+    :param precision: ``"f32"`` or ``"bf16"``: of the networks' matrix products.
+    :param envs: number of environments that step side by side between updates; it changes the
+        result.
     :param out: folder of the run; ``runs/TASK-METHOD-PRESET-SEED`` if it is not given.
     :param workers: number of threads; by default as many as this process may use. It never changes
         the result.
     :param from_run: folder of a run whose networks and statistics the new one starts with, like
         ``rher train --from``. It may be of another task with the same hand and no more objects:
         push, then dpush, then tpush. What does not fit is a :class:`rher.SettingsError`.
+    :param record_every: records every N-th training episode, beginning with the first, for Foxglove,
+        in ``episodes-FIRST.mcap`` in the folder of the run.
+    :param tensorboard: writes event files for ``tensorboard --logdir runs``.
+    :param max_wall: seconds after which the run is saved and returned, so that :func:`rher.resume`
+        can continue it; its ``state`` is ``"stopped"`` then.
+    :param progress: True shows a bar of tqdm (``pip install 'rher[progress]'``), or lines in the log
+        ``rher`` where tqdm is not installed. False shows nothing. By default there is a bar in
+        notebooks and terminals, and the log elsewhere: ``logging.basicConfig(level="INFO")`` shows
+        it.
     :param on_event: is called with a dictionary whose ``kind`` is ``"progress"`` (after every
         episode), ``"evaluated"`` (with all metrics) or ``"saved"``. An exception in it ends the
         run, saved, and comes out.
     :return: the run.
     """
-    arguments = _arguments(seed, preset, set, config, method, env_steps, until)
-    trainer = _rher.Trainer.of_task(
-        text("task", task),
-        arguments,
-        _folder("out", out),
-        _workers(workers),
-        _folder("from_run", from_run),
+    arguments = arguments_as_json(
+        seed=seed,
+        preset=preset,
+        set=set,
+        config=config,
+        method=method,
+        env_steps=env_steps,
+        until=until,
+        engine=engine,
+        precision=precision,
+        envs=envs,
     )
-    return _to_the_end(trainer, None, None, on_event)
+    trainer = _rher.Trainer.of_task(
+        task_of(task),
+        arguments,
+        as_folder("out", out),
+        as_workers(workers),
+        as_folder("from_run", from_run),
+    )
+    with _Closing(trainer):
+        return learn(
+            trainer,
+            max_wall=max_wall,
+            record_every=record_every,
+            tensorboard=tensorboard,
+            progress=progress,
+            on_event=on_event,
+        )
 
 
 def resume(
-    path: str | os.PathLike[str],
+    path: Path,
     *,
     env_steps: int | None = None,
     until: float | None = None,
+    engine: Engine | None = None,
+    precision: Precision | None = None,
     workers: int | None = None,
+    record_every: int | None = None,
+    tensorboard: bool = False,
+    max_wall: float | None = None,
+    progress: bool | None = None,
     on_event: OnEvent | None = None,
 ) -> Run:
     """Continues a run on a task of this package: the result is as if it had never stopped.
 
     :param path: folder of the run.
-    :param env_steps: as in :func:`rher.train`; by default the value of the run.
-    :param until: as in :func:`rher.train`; by default the value of the run.
-    :param workers: as in :func:`rher.train`.
-    :param on_event: as in :func:`rher.train`.
+    :param env_steps: as in :func:`rher.train`, like all other parameters; by default the value of
+        the run, like ``until``, ``engine`` and ``precision``.
     :return: the run.
     """
-    trainer = _rher.Trainer.resumed(as_path("path", path), None, _workers(workers))
-    return _to_the_end(trainer, env_steps, until, on_event)
+    changes = changes_as_json(engine, precision)
+    folder = as_path("path", path)
+    trainer = _rher.Trainer.resumed(folder, None, as_workers(workers), changes)
+    with _Closing(trainer):
+        return learn(
+            trainer,
+            env_steps=env_steps,
+            until=until,
+            max_wall=max_wall,
+            record_every=record_every,
+            tensorboard=tensorboard,
+            progress=progress,
+            on_event=on_event,
+        )
 
 
-def _to_the_end(
-    trainer: "_rher.Trainer", env_steps: int | None, until: float | None, on_event: OnEvent | None
-) -> Run:
-    """Trains, and releases the folder whatever happens."""
-    try:
-        _learn(trainer, env_steps, until, on_event)
-        return Run(trainer.folder)
-    finally:
-        trainer.close()
+class _Closing:
+    """Releases the folder of a run, whatever happens."""
 
+    def __init__(self, trainer: "_rher.Trainer") -> None:
+        self.trainer = trainer
 
-class Trainer:
-    """Relay hindsight experience replay on your own goal environment.
-
-    The environment has the interface of Gymnasium-Robotics: observations are dictionaries with
-    ``observation``, ``achieved_goal`` (where the objects are) and ``desired_goal`` (where they
-    should be), actions are within -1 and 1, and every episode has the same number of steps. Its
-    reward is ignored: the reward is 0 where every object is within ``tolerance`` of its
-    place, and -1 elsewhere. Only ``reset`` and ``step`` are called.
-
-    >>> env = gymnasium.make("FetchPush-v4")
-    >>> trainer = rher.Trainer(env, objects=1, gripper=slice(0, 3), preset="paper")
-    >>> run = trainer.learn(env_steps=80_000)
-    >>> action = trainer.policy(env.reset()[0])
-
-    :param env: the environment.
-    :param objects: how many objects it has (1 to 3), three numbers of a goal for each, in the order
-        in which they are to be placed; 0 if the goal is a place for the gripper itself.
-    :param gripper: slice of ``observation`` that holds the position of the gripper, in meters.
-    :param tolerance: distance below which a goal counts as reached, in meters; by default
-        ``env.unwrapped.distance_threshold``, or 0.05 without one.
-    :param episode_steps: number of steps of every episode; by default that of ``gymnasium.make``.
-    :param name: name of the environment in the run and in its policy.
-    :param seed: as in :func:`rher.train`, like the parameters that follow.
-    :param from_run: as in :func:`rher.train`; its environment has the same dimensions and as many
-        objects.
-    :param resume: folder of a run on this environment to continue with its own settings.
-    """
-
-    def __init__(
-        self,
-        env: gymnasium.Env,
-        *,
-        objects: int = 1,
-        gripper: slice = slice(0, 3),
-        tolerance: float | None = None,
-        episode_steps: int | None = None,
-        name: str | None = None,
-        seed: int = 1,
-        preset: str | None = None,
-        set: Mapping[str, Any] | None = None,
-        config: str | os.PathLike[str] | None = None,
-        method: str | None = None,
-        env_steps: int | None = None,
-        until: float | None = None,
-        out: str | os.PathLike[str] | None = None,
-        workers: int | None = None,
-        from_run: str | os.PathLike[str] | None = None,
-        resume: str | os.PathLike[str] | None = None,
-    ) -> None:
-        about = json.dumps(_about(env, objects, gripper, tolerance, episode_steps, name))
-        if resume is None:
-            arguments = _arguments(seed, preset, set, config, method, env_steps, until)
-            self._trainer = _rher.Trainer.of_env(
-                env,
-                about,
-                arguments,
-                _folder("out", out),
-                _workers(workers),
-                _folder("from_run", from_run),
-            )
-        else:
-            self._trainer = _rher.Trainer.resumed(
-                as_path("resume", resume), (env, about), _workers(workers)
-            )
-
-    @property
-    def policy(self) -> "_rher.Policy":
-        """The policy as it is now."""
-        return self._trainer.policy
-
-    @property
-    def run(self) -> Run:
-        """The folder of the run."""
-        return Run(self._trainer.folder)
-
-    @property
-    def env_steps(self) -> int:
-        """Environment steps of training so far."""
-        return self._trainer.env_steps
-
-    def learn(
-        self,
-        env_steps: int | None = None,
-        until: float | None = None,
-        on_event: OnEvent | None = None,
-    ) -> Run:
-        """Trains until the run has taken ``env_steps`` in total, or has reached ``until``.
-
-        An exception in the environment becomes the cause of a :class:`rher.EnvError`, and
-        everything before that episode is saved. Ctrl-C and the parameters are as in
-        :func:`rher.train`.
-        """
-        _learn(self._trainer, env_steps, until, on_event)
-        return self.run
-
-    def close(self) -> None:
-        """Releases the folder of the run, so that it can be resumed elsewhere."""
-        self._trainer.close()
-
-    def __enter__(self) -> "Trainer":
-        return self
+    def __enter__(self) -> None:
+        pass
 
     def __exit__(self, *_: object) -> None:
-        self.close()
+        self.trainer.close()
 
 
-def _arguments(
-    seed: int,
-    preset: str | None,
-    set: Mapping[str, Any] | None,
-    config: str | os.PathLike[str] | None,
-    method: str | None,
-    env_steps: int | None,
-    until: float | None,
+def learn(
+    trainer: "_rher.Trainer",
+    *,
+    env_steps: int | None = None,
+    until: float | None = None,
+    max_wall: float | None = None,
+    record_every: int | None = None,
+    tensorboard: bool = False,
+    progress: bool | None = None,
+    on_event: OnEvent | None = None,
+) -> Run:
+    """Trains until the end of the run."""
+    if on_event is not None and not callable(on_event):
+        raise InputError(f"on_event is {on_event!r}, expected a function")
+    if not isinstance(tensorboard, bool):
+        raise InputError(f"tensorboard is {tensorboard!r}, expected True or False")
+    trainer.set_end(as_env_steps(env_steps), as_until(until))
+    watching = watcher(progress, trainer)
+    hears = [each for each in (watching, on_event) if each is not None]
+
+    def tell(event: dict[str, Any]) -> None:
+        for each in hears:
+            each(event)
+
+    ended = "ended by an exception"
+    try:
+        ended = trainer.learn(
+            tell if hears else None,
+            None if max_wall is None else real("max_wall", max_wall, 0.0, 1e9),
+            None if record_every is None else whole("record_every", record_every, 1, 2**63 - 1),
+            tensorboard,
+        )
+    except KeyboardInterrupt:
+        ended = "interrupted"
+        raise
+    finally:
+        if watching is not None:
+            watching.close(ended)
+    return Run(trainer.folder)
+
+
+def changes_as_json(engine: Engine | None, precision: Precision | None) -> str:
+    """What a resumed run has otherwise than before, as JSON."""
+    return json.dumps(
+        {"engine": _name("engine", engine), "precision": _name("precision", precision)}
+    )
+
+
+def arguments_as_json(
+    *,
+    seed: int = 1,
+    preset: str | None = None,
+    set: Mapping[str, Any] | None = None,
+    config: Path | None = None,
+    method: str | None = None,
+    env_steps: int | None = None,
+    until: float | None = None,
+    engine: str | None = None,
+    precision: str | None = None,
+    envs: int | None = None,
 ) -> str:
     """The settings that were passed, as JSON."""
     return json.dumps(
         {
-            "preset": None if preset is None else text("preset", preset),
-            "config": _folder("config", config),
+            "preset": _name("preset", preset),
+            "config": as_folder("config", config),
             "set": table("set", set),
-            "method": None if method is None else text("method", method),
+            "method": _name("method", method),
             # Settings files have no larger numbers.
             "seed": whole("seed", seed, 0, 2**63 - 1),
-            "env_steps": _env_steps(env_steps),
-            "until": _until(until),
+            "env_steps": as_env_steps(env_steps),
+            "until": as_until(until),
+            "engine": _name("engine", engine),
+            "precision": _name("precision", precision),
+            "envs": None if envs is None else whole("envs", envs, 1, 2**63 - 1),
         }
     )
 
 
-def _learn(
-    trainer: "_rher.Trainer", env_steps: int | None, until: float | None, on_event: OnEvent | None
-) -> None:
-    """Trains until the end of the run."""
-    if on_event is not None and not callable(on_event):
-        raise InputError(f"on_event is {on_event!r}, expected a function")
-    trainer.learn(_env_steps(env_steps), _until(until), on_event)
-
-
-def _env_steps(env_steps: Any) -> int | None:
+def as_env_steps(env_steps: Any) -> int | None:
     return None if env_steps is None else whole("env_steps", env_steps, 0, 2**63 - 1)
 
 
-def _until(until: Any) -> float | None:
+def as_until(until: Any) -> float | None:
     return None if until is None else real("until", until, 0.0, 1.0)
 
 
-def _workers(workers: Any) -> int | None:
+def as_workers(workers: Any) -> int | None:
     return None if workers is None else whole("workers", workers, 1, 2**16)
 
 
-def _folder(name: str, folder: Any) -> str | None:
+def as_folder(name: str, folder: Any) -> str | None:
     return None if folder is None else as_path(name, folder)
 
 
-def _about(
-    env: gymnasium.Env,
-    objects: int,
-    gripper: slice,
-    tolerance: float | None,
-    episode_steps: int | None,
-    name: str | None,
-) -> dict[str, Any]:
-    """What the learner needs to know about an environment, after checking that it can be learned."""
-    objects = whole("objects", objects, 0, 3)
-    observation_space, action_space = env.observation_space, env.action_space
-    keys = ("observation", "achieved_goal", "desired_goal")
-    if not isinstance(observation_space, spaces.Dict) or not all(
-        isinstance(observation_space.spaces.get(key), spaces.Box)
-        and len(observation_space[key].shape) == 1
-        for key in keys
-    ):
-        raise InputError(
-            f"the observation space is {observation_space}, expected a Dict with the one-dimensional "
-            f"Boxes {', '.join(keys)}"
-        )
-    width, *goals = (observation_space[key].shape[0] for key in keys)
-    goal = 3 * max(objects, 1)
-    if goals != [goal, goal]:
-        raise InputError(f"goals have {goals} numbers, expected {goal} each for objects={objects}")
-    if not isinstance(action_space, spaces.Box) or len(action_space.shape) != 1:
-        raise InputError(f"the action space is {action_space}, expected a one-dimensional Box")
-    if not (np.all(action_space.low == -1) and np.all(action_space.high == 1)):
-        raise InputError(
-            f"the action space is {action_space}, expected -1 to 1: "
-            "gymnasium.wrappers.RescaleAction makes it so"
-        )
-    if not isinstance(gripper, slice):
-        raise InputError(f"gripper is {gripper!r}, expected a slice such as slice(0, 3)")
-    first, last, step = gripper.indices(width)
-    if step != 1 or last - first != 3:
-        raise InputError(f"gripper is {gripper}, expected three numbers of the {width} observed")
-    if episode_steps is None:
-        episode_steps = env.spec.max_episode_steps if env.spec is not None else None
-    episode_steps = whole("episode_steps", episode_steps, 1, 2**31 - 1)
-    if tolerance is None:
-        tolerance = getattr(env.unwrapped, "distance_threshold", 0.05)
-    tolerance = real("tolerance", tolerance, 0.0, float(np.finfo(np.float32).max))
-    if tolerance == 0:
-        raise InputError("tolerance is 0.0, expected a distance in meters")
-    if name is None:
-        name = env.spec.id if env.spec is not None else type(env.unwrapped).__name__
-    return {
-        "name": text("name", name).replace("/", "-"),
-        "objects": objects,
-        "observation": width,
-        "action": action_space.shape[0],
-        "episode_steps": episode_steps,
-        "tolerance": tolerance,
-        "places": {"gripper": first, "objects": _find_objects(env, objects)},
-    }
-
-
-def _find_objects(env: gymnasium.Env, objects: int) -> list[int] | None:
-    """Where in observations the positions of the objects are, if all of them are there.
-
-    They are looked for at the beginning of two episodes. Only calls of a policy without
-    ``achieved_goal`` need them.
-    """
-    places: list[list[int]] = []
-    for seed in range(2):
-        try:
-            seen, _ = env.reset(seed=seed)
-        except Exception as error:
-            raise EnvError(f"the environment cannot be reset: {error}") from error
-        observation = np.asarray(seen["observation"])
-        for index, position in enumerate(np.reshape(seen["achieved_goal"], (-1, 3))[:objects]):
-            windows = np.lib.stride_tricks.sliding_window_view(observation, 3)
-            here = np.flatnonzero((windows == position).all(axis=1)).tolist()
-            if seed == 0:
-                places.append(here)
-            else:
-                places[index] = [place for place in places[index] if place in here]
-    return [place[0] for place in places] if objects and all(places) else None
+def _name(what: str, name: Any) -> str | None:
+    return None if name is None else text(what, name)

@@ -18,10 +18,11 @@ from pathlib import Path
 from typing import Any
 
 from rher import _rher
-from rher._arguments import table, text, whole
+from rher._arguments import table, whole
 from rher.errors import ClusterError
 from rher.run import Run
-from rher.training import _arguments, _learn
+from rher.env import task_of
+from rher.training import arguments_as_json, changes_as_json, learn
 
 __all__ = ["trainable"]
 
@@ -65,12 +66,20 @@ def trainable(
         ) from error
     shared = table("set", set)
     workers = whole("workers", workers, 1, 2**16)
-    text("task", task)
+    task = task_of(task)
 
     def run(trial: dict[str, Any]) -> None:
         settings = shared | table("the configuration of a trial", trial)
         seed_of_trial = settings.pop("seed", seed)
-        arguments = _arguments(seed_of_trial, preset, settings, config, method, env_steps, until)
+        arguments = arguments_as_json(
+            seed=seed_of_trial,
+            preset=preset,
+            set=settings,
+            config=config,
+            method=method,
+            env_steps=env_steps,
+            until=until,
+        )
         out = Path(tune.get_context().get_trial_dir()) / "run"
         # What an earlier attempt left is newer than what it reported.
         shutil.rmtree(out, ignore_errors=True)
@@ -79,7 +88,7 @@ def trainable(
             trainer = _rher.Trainer.of_task(task, arguments, str(out), workers, None)
         else:
             checkpoint.to_directory(out)
-            trainer = _rher.Trainer.resumed(str(out), None, workers)
+            trainer = _rher.Trainer.resumed(str(out), None, workers, changes_as_json(None, None))
         try:
             _report_all(tune, trainer, out)
         finally:
@@ -105,7 +114,7 @@ def _report_all(tune: Any, trainer: "_rher.Trainer", out: Path) -> None:
     finished = False
     while not finished:
         try:
-            _learn(trainer, None, None, on_event)
+            learn(trainer, progress=False, on_event=on_event)
             finished = True
         except _Evaluated:
             pass
