@@ -22,23 +22,28 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// How much of the world the height of the picture of [`facing`](Self::facing) shows, in
-    /// radians.
-    const FIELD_OF_VIEW: f32 = 0.44;
-
     /// A camera in this direction from the middle of a room, as near as it can be with the whole
-    /// room in a picture of 4 by 3. The direction is not vertical.
-    pub fn facing(from_room: Vector3<f32>, room: &Room) -> Self {
-        let focus = room.middle();
+    /// room in a picture of 4 by 3. The direction is not vertical; the field of view is in radians.
+    pub fn facing(from_room: Vector3<f32>, field_of_view: f32, room: &Room) -> Self {
+        /// Each brings the room a little nearer to the middle of the picture.
+        const ROUNDS: usize = 4;
         let axes = axes(&-from_room);
-        let half = half_size(Self::FIELD_OF_VIEW);
-        let distances = room.corners().map(|corner| {
-            let seen = axes * (corner - focus);
-            (seen.x.abs() / half.x).max(seen.y.abs() / half.y) - seen.z
-        });
-        let distance = distances.into_iter().fold(0.0, f32::max);
-        let eye = focus + from_room.normalize() * distance;
-        Self { eye, focus, field_of_view: Self::FIELD_OF_VIEW }
+        let half = half_size(field_of_view);
+        let mut focus = room.middle();
+        let mut distance: f32 = 0.0;
+        for _ in 0..ROUNDS {
+            let corners = room.corners().map(|corner| axes * (corner - focus));
+            let distances =
+                corners.map(|seen| (seen.x.abs() / half.x).max(seen.y.abs() / half.y) - seen.z);
+            distance = distances.into_iter().fold(NEAREST, f32::max);
+            let places = corners.map(|seen| seen.xy() / (distance + seen.z));
+            let least = places.iter().fold(places[0], |least, place| least.inf(place));
+            let most = places.iter().fold(places[0], |most, place| most.sup(place));
+            let middle = (least + most) * (distance / 2.0);
+            focus += axes.tr_mul(&Vector3::new(middle.x, middle.y, 0.0));
+        }
+        // What was moved last may stand out by a hair.
+        Self { eye: focus + from_room.normalize() * distance, focus, field_of_view }
     }
 
     /// This camera in front of a picture of this many samples.

@@ -15,7 +15,7 @@ pub struct Room {
 
 impl Room {
     /// How far around hands and objects there has to be room, in meters.
-    const AROUND: Vector3<f32> = Vector3::new(0.07, 0.07, 0.03);
+    const AROUND: Vector3<f32> = Vector3::new(0.08, 0.08, 0.03);
 
     /// How far above them, for the fingers and what holds them, in meters.
     const ABOVE: f32 = 0.12;

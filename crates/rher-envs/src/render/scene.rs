@@ -125,7 +125,7 @@ fn arm(hand: &Thing) -> Thing {
     const RADIUS: f32 = 0.024;
     const LENGTH: f32 = 0.22;
     /// Where the link goes: back to the robot, and up.
-    const BACK: Vector3<f32> = Vector3::new(-0.24, 0.0, 1.0);
+    const BACK: Vector3<f32> = Vector3::new(-0.18, 0.0, 1.0);
     let grip = hand.pose.translation.vector;
     let wrist = Point3::new(grip.x, grip.y, Room::around(hand).top());
     let along_y = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), FRAC_PI_2);

@@ -57,7 +57,7 @@ impl Viewpoint {
             Self::Close => Room::of_episode(start),
             Self::Corner | Self::Front | Self::Side | Self::Top => Room::of_task(env, start)?,
         };
-        Ok(Camera::facing(self.direction(), &room))
+        Ok(Camera::facing(self.direction(), self.field_of_view(), &room))
     }
 
     /// From what is looked at to the eye.
@@ -67,6 +67,15 @@ impl Viewpoint {
             Self::Front => Vector3::new(0.75, -0.12, 0.95),
             Self::Side => Vector3::new(-0.05, -1.0, 0.28),
             Self::Top => Vector3::new(0.0, -0.02, 1.0),
+        }
+    }
+
+    /// In radians.
+    fn field_of_view(self) -> f32 {
+        match self {
+            Self::Corner | Self::Front | Self::Side | Self::Close => 0.44,
+            // From far away, so that an arm does not hide what is around its hand.
+            Self::Top => 0.12,
         }
     }
 }
