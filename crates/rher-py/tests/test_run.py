@@ -38,15 +38,21 @@ def test_episodes_are_drawn_and_recorded(run, tmp_path):
     film = run.play(tmp_path / "push.gif", episodes=1)
     assert film.read_bytes().startswith(b"GIF8")
     assert run.play(tmp_path / "push.mcap").read_bytes().startswith(b"\x89MCAP")
+    small = run.play(tmp_path / "small.gif", camera="top", size=(96, 72), trim=True)
+    assert 0 < small.stat().st_size < film.stat().st_size
     with pytest.raises(rher.InputError, match="out is `push.txt`, expected a name that ends in"):
         run.play("push.txt")
+    with pytest.raises(rher.InputError, match="camera"):
+        run.play(tmp_path / "push.gif", camera="moon")
 
 
 def test_curves_are_drawn(run, tmp_path):
     curves = run.plot(tmp_path / "curves.svg")
     assert "<svg" in curves.read_text()
     assert run.plot(tmp_path / "curves.png", x="time").read_bytes().startswith(b"\x89PNG")
-    with pytest.raises(rher.InputError, match="x is 'hours', expected 'steps' or 'time'"):
+    titled = run.plot(tmp_path / "curves.svg", run, title="Three seeds", measure="iqm", subtasks=False)
+    assert "Three seeds" in titled.read_text()
+    with pytest.raises(rher.InputError, match="hours"):
         run.plot(tmp_path / "curves.svg", x="hours")
     with pytest.raises(rher.RherError, match="curves"):
         run.plot(tmp_path / "no" / "curves.svg")

@@ -46,7 +46,8 @@ def output(*arguments: str) -> str:
     )
     if ended.returncode != 0:
         said = last_error(ended.stderr) or f"`rher` ended with {ended.returncode}"
-        raise ERRORS.get(ended.returncode, RherError)(said.removeprefix("error: ").removeprefix("--set: "))
+        said = said.removeprefix("error: ").removeprefix("--set: ")
+        raise ERRORS.get(ended.returncode, RherError)(said)
     return ended.stdout
 
 

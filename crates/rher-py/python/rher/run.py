@@ -2,7 +2,7 @@
 
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from rher import _rher
 from rher._arguments import path as as_path
-from rher._arguments import table, whole
+from rher._arguments import table, text, whole
 from rher._command import output
 from rher.errors import FileError, InputError, MissingError
 
@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     import pandas
 
 __all__ = ["Run"]
+
+Camera = Literal["corner", "front", "side", "top", "close"]
 
 
 class Run:
@@ -60,11 +62,11 @@ class Run:
         """
         path = self.path / "metrics.jsonl"
         try:
-            text = path.read_text()
+            written = path.read_text()
         except OSError as error:
             raise FileError(f"cannot read `{path}`: {error}") from error
         # A run that is being written may end in a part of a line.
-        lines = text[: text.rfind("\n") + 1].splitlines()
+        lines = written[: written.rfind("\n") + 1].splitlines()
         try:
             rows = [_flat(json.loads(line)) for line in lines]
         except json.JSONDecodeError as error:
@@ -115,7 +117,7 @@ class Run:
         """
         arguments = ["--episodes", str(whole("episodes", episodes, 1, 2**31 - 1)), "--json"]
         if seed is not None:
-            arguments += ["--seed", str(whole("seed", seed, 0, 2**64 - 1))]
+            arguments += ["--seed", str(whole("seed", seed, 0, 2**63 - 1))]
         for key, value in table("set", set).items():
             arguments += ["--set", f"{key}={json.dumps(value)}"]
         if workers is not None:
@@ -124,40 +126,73 @@ class Run:
         return report
 
     def play(
-        self, out: str | os.PathLike[str], *, episodes: int = 1, seed: int = 0
+        self,
+        out: str | os.PathLike[str],
+        *,
+        episodes: int = 1,
+        seed: int = 0,
+        camera: Camera = "corner",
+        size: tuple[int, int] = (400, 300),
+        trim: bool = False,
     ) -> Path:
         """Plays episodes of the policy and draws or records them, like ``rher play``.
 
-        :param out: the file; its ending says what it is: ``.gif`` an animation, ``.mcap`` a
-            recording for Foxglove.
+        :param out: the file; its ending says what it is: ``.gif``, ``.mp4`` or ``.webm`` a film, of
+            which the last two need ``ffmpeg``; ``.mcap`` a recording for Foxglove.
         :param episodes: number of episodes.
         :param seed: of the episodes.
+        :param camera: from where films are drawn.
+        :param size: width and height of films, in pixels.
+        :param trim: cuts each episode of a film shortly after its success.
         :return: the file.
         """
         file = Path(as_path("out", out))
-        option = {".gif": "--gif", ".mcap": "--mcap"}.get(file.suffix)
-        if option is None:
-            raise InputError(f"out is `{file}`, expected a name that ends in .gif or .mcap")
-        episodes = whole("episodes", episodes, 1, 2**31 - 1)
-        seed = whole("seed", seed, 0, 2**64 - 1)
-        self._rher("play", "--episodes", str(episodes), "--seed", str(seed), option, str(file))
+        arguments = ["--episodes", str(whole("episodes", episodes, 1, 2**31 - 1))]
+        arguments += ["--seed", str(whole("seed", seed, 0, 2**63 - 1))]
+        if file.suffix in (".gif", ".mp4", ".webm"):
+            if not isinstance(size, Sequence) or len(size) != 2:
+                raise InputError(f"size is {size!r}, expected a width and a height in pixels")
+            width, height = (whole("size", pixels, 1, 4096) for pixels in size)
+            arguments += ["--film", str(file), "--size", f"{width}x{height}"]
+            arguments += ["--camera", text("camera", camera)]
+            if trim:
+                arguments.append("--trim")
+        elif file.suffix == ".mcap":
+            arguments += ["--mcap", str(file)]
+        else:
+            raise InputError(
+                f"out is `{file}`, expected a name that ends in .gif, .mp4, .webm or .mcap"
+            )
+        self._rher("play", *arguments)
         return file
 
     def plot(
-        self, out: str | os.PathLike[str], *others: "Run", x: Literal["steps", "time"] = "steps"
+        self,
+        out: str | os.PathLike[str],
+        *others: "Run",
+        x: Literal["steps", "time"] = "steps",
+        measure: Literal["mean", "iqm"] = "mean",
+        title: str | None = None,
+        subtasks: bool = True,
     ) -> Path:
         """Draws learning curves, like ``rher plot``.
 
         :param out: the picture, whose name ends in ``.svg`` or ``.png``.
         :param others: runs that are drawn, too; several seeds are one line with a band.
         :param x: environment steps or the wall clock.
+        :param measure: what a line shows of several runs: the mean or the interquartile mean.
+        :param title: above the panels.
+        :param subtasks: whether there are panels for sub-tasks.
         :return: the picture.
         """
         file = Path(as_path("out", out))
-        if x not in ("steps", "time"):
-            raise InputError(f"x is {x!r}, expected 'steps' or 'time'")
+        arguments = ["--x", text("x", x), "--measure", text("measure", measure)]
+        if title is not None:
+            arguments += ["--title", text("title", title)]
+        if not subtasks:
+            arguments.append("--no-subtasks")
         folders = [str(run.path) for run in (self, *others)]
-        output("plot", "--x", x, "--out", str(file), "--", *folders)
+        output("plot", *arguments, "--out", str(file), "--", *folders)
         return file
 
     def _rher(self, verb: str, *arguments: str) -> str:
