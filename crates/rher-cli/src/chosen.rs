@@ -4,6 +4,7 @@ use crate::cells::{Row, State, rows};
 use crate::numbers::thousands;
 use crate::printer::Printer;
 use crate::running::note_evaluations;
+use crate::shipped;
 use crate::tables::table;
 use comfy_table::Table;
 use rher_runs::sweep::Plan;
@@ -27,6 +28,7 @@ impl Chosen {
     pub(crate) fn read(paths: &[PathBuf], printer: Printer) -> anyhow::Result<Self> {
         let (mut runs, mut unfinished) = (Vec::new(), Vec::new());
         for path in paths {
+            let path = &*shipped::folder(path, printer)?;
             if !path.is_file() {
                 note_evaluations(path, printer);
                 runs.push(Run::read(path)?);

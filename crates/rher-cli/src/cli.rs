@@ -321,7 +321,7 @@ pub(crate) struct ReproduceArgs {
     #[arg(value_enum, value_name = "NAME")]
     pub(crate) experiment: ExperimentName,
 
-    /// Preset to start from [default: paper]
+    /// Preset to start from [default: paper; for `shipped` fast]
     #[arg(long, value_parser = preset(), value_name = "PRESET")]
     pub(crate) preset: Option<Preset>,
 
@@ -329,9 +329,10 @@ pub(crate) struct ReproduceArgs {
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
 
-    /// Seeds for every combination of settings, as in `1-5` or `1,2,7`
-    #[arg(long, value_name = "SEEDS", default_value = "1-3")]
-    pub(crate) seeds: Seeds,
+    /// Seeds for every combination of settings, as in `1-5` or `1,2,7` [default: 1-3; `shipped` has
+    /// seed 1 alone]
+    #[arg(long, value_name = "SEEDS")]
+    pub(crate) seeds: Option<Seeds>,
 
     /// End every run after this many environment steps
     #[arg(long, value_name = "N", value_parser = toml_integer(1))]

@@ -23,6 +23,7 @@ mod printer;
 mod program;
 mod published;
 mod running;
+mod shipped;
 mod tables;
 mod tips;
 mod trained;

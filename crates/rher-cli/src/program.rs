@@ -3,7 +3,7 @@
 use crate::exit_code::Status;
 use crate::host::Again;
 use crate::printer::Printer;
-use crate::{cli, commands, errors, printer, tips};
+use crate::{cli, commands, errors, printer, shipped, tips};
 use clap::Parser as _;
 use rher_envs::{ObjectCount, Scenario, Simulated, Task, TaskNameError, TaskObjects};
 use std::ffi::OsString;
@@ -101,6 +101,7 @@ impl Program {
             Some(refused) => Err(refused.clone().into()),
             None => commands::run(cli.command, &self.again, printer),
         };
+        shipped::remove();
         let status = done.unwrap_or_else(|error| {
             let report = errors::report(&error);
             printer.error(&error, report.hint.as_deref());

@@ -1,6 +1,8 @@
 //! A trained policy and all that is known about it, from a run folder or a policy file.
 
 use crate::errors::{ForeignTask, OtherRun};
+use crate::printer::Printer;
+use crate::shipped;
 use anyhow::Context as _;
 use rher_core::config::TestPolicy;
 use rher_core::files::FileError;
@@ -27,8 +29,9 @@ pub(crate) struct Trained {
 }
 
 impl Trained {
-    /// Loads a run folder or a policy file.
-    pub(crate) fn load(path: &Path) -> anyhow::Result<Self> {
+    /// Loads a run folder, a policy file, or the policy that ships with the program for a task.
+    pub(crate) fn load(path: &Path, printer: Printer) -> anyhow::Result<Self> {
+        let path = &*shipped::folder(path, printer)?;
         let folder = path.is_dir().then_some(path);
         let file = folder.map_or_else(|| path.to_owned(), |folder| folder.join(POLICY_FILE));
         let policy = Policy::load(&file)?;
@@ -111,7 +114,7 @@ pub(crate) fn unfinished(path: &Path) -> String {
 }
 
 /// As `sha256sum` prints it.
-fn sha256(bytes: &[u8]) -> String {
+pub(crate) fn sha256(bytes: &[u8]) -> String {
     Sha256::digest(bytes).iter().fold(String::new(), |mut text, byte| {
         let _ = write!(text, "{byte:02x}");
         text

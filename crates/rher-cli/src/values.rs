@@ -30,6 +30,8 @@ pub(crate) enum ExperimentName {
     Forgetting,
     /// Table II: steps to 95 % on push and pick
     Table2,
+    /// The policies that ship with the program, one for each task, with their cards
+    Shipped,
 }
 
 impl ExperimentName {
@@ -43,6 +45,7 @@ impl ExperimentName {
             Self::Her => "her",
             Self::Forgetting => "forgetting",
             Self::Table2 => "table2",
+            Self::Shipped => "shipped",
         }
     }
 }
@@ -214,8 +217,7 @@ impl TypedValueParser for TaskName {
         arg: Option<&clap::Arg>,
         value: &OsStr,
     ) -> Result<Task, clap::Error> {
-        let alias = value.to_str().and_then(task_of_gymnasium);
-        if let Some(task) = alias {
+        if let Some(task) = value.to_str().and_then(task_of_gymnasium) {
             return Ok(task);
         }
         Self::names().try_map(|name| name.parse::<Task>()).parse_ref(command, arg, value)
@@ -224,6 +226,11 @@ impl TypedValueParser for TaskName {
     fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
         Some(Box::new(Task::all().into_iter().map(|task| PossibleValue::new(task.name()))))
     }
+}
+
+/// The task of this name, or of this Gymnasium environment.
+pub(crate) fn task_named(name: &str) -> Option<Task> {
+    name.parse().ok().or_else(|| task_of_gymnasium(name))
 }
 
 /// The task of an environment such as `rher/Push-v0` or `FetchPush-v4`, of any version.

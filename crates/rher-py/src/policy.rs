@@ -67,6 +67,17 @@ impl Policy {
         Self::new(policy.map_err(PolicyFailure)?)
     }
 
+    /// The policy that ships with the package for a task.
+    #[classmethod]
+    fn pretrained(cls: &Bound<'_, PyType>, task: &str) -> PyResult<Self> {
+        let found = task.parse::<Task>().map_err(|error| InputError::new_err(told(&error)));
+        let shipped = rher_policies::of(found?.name());
+        let shipped = shipped.ok_or_else(|| {
+            InputError::new_err(format!("no policy of `{task}` ships with this package"))
+        })?;
+        Self::new(unlocked(cls.py(), || shipped.policy())?)
+    }
+
     /// Writes a policy file; the file is complete or absent.
     fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         Ok(unlocked(py, || self.frozen.save(&path))?.map_err(PolicyFailure)?)

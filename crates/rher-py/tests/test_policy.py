@@ -162,3 +162,19 @@ def test_a_policy_for_another_task_is_refused(path):
 def test_wrong_arguments_are_refused(arguments, path):
     with pytest.raises(rher.InputError):
         rher.Policy.load(path("push"))(*arguments)
+
+
+@pytest.mark.parametrize("name", ["rher/Reach-v0", "rher/Stack-v0"])
+def test_a_policy_of_every_task_ships_with_the_package(name):
+    policy = rher.Policy.pretrained(rher.IDS[name])
+    env = gymnasium.make(name)
+    solved = 0
+    for seed in range(10):
+        observation, _ = env.reset(seed=seed)
+        truncated = False
+        while not truncated:
+            observation, _, _, truncated, info = env.step(policy(observation))
+        solved += info["is_success"]
+    assert solved >= 8
+    with pytest.raises(ValueError, match="no task is called `nothing`"):
+        rher.Policy.pretrained("nothing")

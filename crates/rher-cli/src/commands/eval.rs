@@ -19,15 +19,15 @@ use std::sync::Mutex;
 
 /// What is printed.
 #[derive(Serialize)]
-struct EvalReport {
+pub(super) struct EvalReport {
     task: String,
-    success_final: f32,
+    pub(super) success_final: f32,
     /// Wilson's 95 % interval of `success_final`.
-    ci95: [f64; 2],
+    pub(super) ci95: [f64; 2],
     /// By sub-task; `null` where a sub-task was not trained.
-    success: Vec<Option<f32>>,
+    pub(super) success: Vec<Option<f32>>,
     /// Mean distance of the objects to their targets at the end, in meters.
-    final_distance: f32,
+    pub(super) final_distance: f32,
     /// The same for where they really were; `null` where sensors tell nothing else.
     true_final_distance: Option<f32>,
     episodes: usize,
@@ -42,13 +42,29 @@ struct EvalReport {
 
 pub(crate) fn eval(args: &EvalArgs, printer: Printer) -> anyhow::Result<()> {
     let EvalArgs { path, episodes, seed, set, workers, json } = args;
-    let trained = Trained::load(path)?;
+    let trained = Trained::load(path, printer)?;
     note_policy(path, printer);
     let set: Vec<_> = set.iter().map(|it| (it.key.clone(), it.value.clone())).collect();
     let options = settings::resolve_options(trained.task, &trained.options, &set)?;
-    let episodes = episodes.get();
-    let of_training = trained.training_seed();
-    let env_seed = seed.unwrap_or(of_training.wrapping_add(1));
+    let env_seed = seed.unwrap_or(trained.training_seed().wrapping_add(1));
+    let report = judge(&trained, &options, episodes.get(), env_seed, threads(*workers))?;
+    let output = if *json {
+        serde_json::to_string_pretty(&report)?
+    } else {
+        describe(&report, &trained.task.subtasks(), &set)
+    };
+    printer.data(&output)?;
+    Ok(())
+}
+
+/// What becomes of the episodes of this seed in environments with these options.
+pub(super) fn judge(
+    trained: &Trained,
+    options: &Options,
+    episodes: usize,
+    env_seed: u64,
+    workers: usize,
+) -> anyhow::Result<EvalReport> {
     let evaluate = Evaluate {
         policy: &trained.policy,
         config: EvaluationConfig {
@@ -58,12 +74,12 @@ pub(crate) fn eval(args: &EvalArgs, printer: Printer) -> anyhow::Result<()> {
             env_seed,
         },
         test_policy: trained.test_policy(),
-        workers: threads(*workers),
+        workers,
     };
-    let (evaluation, failures) = trained.task.visit_with(&options, evaluate)??;
+    let (evaluation, failures) = trained.task.visit_with(options, evaluate)??;
     let Evaluation { success, success_final, final_distance, true_final_distance } = evaluation;
     let ci95 = wilson(success_final, episodes);
-    let report = EvalReport {
+    Ok(EvalReport {
         task: trained.task.name().to_owned(),
         success_final,
         ci95,
@@ -72,17 +88,10 @@ pub(crate) fn eval(args: &EvalArgs, printer: Printer) -> anyhow::Result<()> {
         true_final_distance,
         episodes,
         failures,
-        options,
+        options: options.clone(),
         env_seed,
-        held_out: env_seed != of_training,
-    };
-    let output = if *json {
-        serde_json::to_string_pretty(&report)?
-    } else {
-        describe(&report, &trained.task.subtasks(), &set)
-    };
-    printer.data(&output)?;
-    Ok(())
+        held_out: env_seed != trained.training_seed(),
+    })
 }
 
 /// An evaluation of a task that is known at run time.

@@ -27,7 +27,7 @@ pub(crate) fn export(args: &ExportArgs, printer: Printer) -> anyhow::Result<Stat
     let written = if recorded {
         convert(args, printer, &stop)?
     } else {
-        let trained = Trained::load(&args.path)?;
+        let trained = Trained::load(&args.path, printer)?;
         note_policy(&args.path, printer);
         let (task, options) = (trained.task, trained.options.clone());
         task.visit_with(&options, PlayAll { trained, args, stop: &stop })??

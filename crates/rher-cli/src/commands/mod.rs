@@ -12,6 +12,7 @@ mod replay;
 mod report;
 mod reproduce;
 mod runs;
+mod ship;
 mod stats;
 mod status;
 mod sweep;

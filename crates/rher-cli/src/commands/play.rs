@@ -15,7 +15,7 @@ use rher_envs::{EnvVisitor, Simulated};
 use rher_record::{Player, RecordingFile, RecordingInfo, Source, layout_beside};
 
 pub(crate) fn play(args: &PlayArgs, printer: Printer) -> anyhow::Result<Status> {
-    let trained = Trained::load(&args.path)?;
+    let trained = Trained::load(&args.path, printer)?;
     note_policy(&args.path, printer);
     let (task, options) = (trained.task, trained.options.clone());
     task.visit_with(&options, Play { trained, args, printer })?

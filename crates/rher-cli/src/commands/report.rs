@@ -53,7 +53,7 @@ pub(crate) fn report(args: &ReportArgs, printer: Printer) -> anyhow::Result<()> 
             Some(folder) => {
                 let caption =
                     format!("{group}: the first evaluation episode of {}", folder.display());
-                page.picture(&caption, "image/gif", &film(folder)?);
+                page.picture(&caption, "image/gif", &film(folder, printer)?);
             }
             None => page.element("p", &format!("No run of {group} has a policy to show.")),
         }
@@ -84,8 +84,8 @@ fn has_policy(folder: &Path) -> bool {
 }
 
 /// The first evaluation episode of a run's policy, as a GIF file.
-fn film(folder: &Path) -> anyhow::Result<Vec<u8>> {
-    let trained = Trained::load(folder)?;
+fn film(folder: &Path, printer: Printer) -> anyhow::Result<Vec<u8>> {
+    let trained = Trained::load(folder, printer)?;
     let (task, policy, test_policy) = (trained.task, &trained.policy, trained.test_policy());
     let footage = task.visit_with(&trained.options, Film { task, policy, test_policy })??;
     let animation = Animation::of(&footage.images)?;

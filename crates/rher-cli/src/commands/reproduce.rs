@@ -1,12 +1,13 @@
 //! `rher reproduce`: the paper's experiments, each by one command.
 
+use super::ship::ship;
 use crate::cli::{ReproduceArgs, SettingsArgs};
 use crate::exit_code::Status;
 use crate::host::Again;
 use crate::host::threads;
 use crate::jobs::{Job, Work};
 use crate::printer::Printer;
-use crate::values::{Assignment, ExperimentName};
+use crate::values::{Assignment, ExperimentName, Seeds};
 use rher_core::config::{Method, Preset};
 use rher_envs::Task;
 use rher_runs::settings;
@@ -17,12 +18,14 @@ pub(crate) fn reproduce(
     again: &Again,
     printer: Printer,
 ) -> anyhow::Result<Status> {
-    let experiment = Experiment::of(args.experiment);
     let name = args.experiment.name();
     let folder = || Path::new("runs").join(format!("reproduce-{name}"));
     let out = args.out.clone().unwrap_or_else(folder);
+    let Some(experiment) = Experiment::of(args.experiment) else {
+        return ship(args, &out, again, printer);
+    };
     printer.note(format_args!("the paper reports: {}", experiment.claim));
-    let seeds = &args.seeds.0;
+    let seeds = args.seeds.clone().unwrap_or(Seeds((1..=3).collect())).0;
     let of_seeds =
         |case: &Case| seeds.iter().map(|&seed| case.job(args, &out, seed)).collect::<Vec<_>>();
     let jobs = experiment.cases.iter().flat_map(of_seeds).collect::<anyhow::Result<Vec<_>>>()?;
@@ -79,8 +82,10 @@ impl Case {
 }
 
 impl Experiment {
-    fn of(name: ExperimentName) -> Self {
-        match name {
+    /// `None` for what the paper has none of.
+    fn of(name: ExperimentName) -> Option<Self> {
+        Some(match name {
+            ExperimentName::Shipped => return None,
             ExperimentName::Policies => Self {
                 claim: "Table I: with the guide and the learner in turn in training and the \
                         learner alone in evaluation (mix/final), push is learned soonest and best; \
@@ -153,6 +158,6 @@ impl Experiment {
                     .map(|task| Case::new(task.name().to_owned(), task, 300_000))
                     .into(),
             },
-        }
+        })
     }
 }

@@ -108,6 +108,13 @@ class Policy:
     def load(cls, path: _Path) -> Policy:
         """Reads a policy file, the ``policy.safetensors`` of a run."""
 
+    @classmethod
+    def pretrained(cls, task: str) -> Policy:
+        """The trained policy that ships with the package for a task, such as ``stack``.
+
+        ``rher play stack`` shows it; ``rher reproduce shipped`` made it.
+        """
+
     def save(self, path: _Path) -> None:
         """Writes a policy file; the file is complete or absent."""
 

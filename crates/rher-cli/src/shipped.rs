@@ -1,0 +1,67 @@
+//! The runs that ship with the program, as folders.
+
+use crate::numbers::{percent, thousands};
+use crate::printer::Printer;
+use crate::values::task_named;
+use anyhow::Context as _;
+use rher_core::files::FileError;
+use rher_core::train::checkpoint::POLICY_FILE;
+use rher_policies::{Card, Shipped};
+use rher_runs::{CONFIG_FILE, METRICS_FILE};
+use std::borrow::Cow;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use tempfile::TempDir;
+
+/// Where they are unpacked, until the program ends.
+static UNPACKED: Mutex<Option<TempDir>> = Mutex::new(None);
+
+/// `path`, or the folder of the run that ships with the program where `path` is the name of a task
+/// and no file or folder.
+pub(crate) fn folder(path: &Path, printer: Printer) -> anyhow::Result<Cow<'_, Path>> {
+    let task = path.to_str().filter(|_| !path.exists()).and_then(task_named);
+    let Some(shipped) = task.and_then(|task| rher_policies::of(task.name())) else {
+        return Ok(path.into());
+    };
+    let Card { success, episodes, command, .. } = shipped.card();
+    printer.note(format_args!(
+        "note: there is no `{}` here; this is the policy that ships with the program, which \
+         succeeds in {} of {} unseen episodes and was made by `{command}`",
+        path.display(),
+        percent(success.into()),
+        thousands(episodes as u64),
+    ));
+    Ok(unpack(shipped)?.into())
+}
+
+/// Writes its files into a folder that is named like the task.
+fn unpack(shipped: &Shipped) -> anyhow::Result<PathBuf> {
+    let mut unpacked = UNPACKED.lock().expect("no thread panics while it unpacks");
+    let place = match &mut *unpacked {
+        Some(place) => place,
+        empty => empty.insert(
+            tempfile::Builder::new()
+                .prefix("rher-")
+                .tempdir()
+                .context("cannot make a temporary folder for the policy that ships with rher")?,
+        ),
+    };
+    let folder = place.path().join(shipped.task);
+    fs::create_dir_all(&folder).map_err(FileError::write(&folder))?;
+    for (name, bytes) in [
+        (CONFIG_FILE, shipped.config),
+        (METRICS_FILE, shipped.metrics),
+        (POLICY_FILE, shipped.policy),
+    ] {
+        let path = folder.join(name);
+        fs::write(&path, bytes).map_err(FileError::write(&path))?;
+    }
+    Ok(folder)
+}
+
+/// Removes what was unpacked.
+pub(crate) fn remove() {
+    // What cannot be removed stays in the folder for temporary files.
+    drop(UNPACKED.lock().map(|mut unpacked| unpacked.take()));
+}
