@@ -1,16 +1,14 @@
-//! `rher plot` and `rher report`: what they draw, and that a browser shows it.
+//! `rher plot` and `rher stats`: what they draw.
 
 use crate::stats::{run, three_and_one};
 use crate::support::{Rher, TINY};
 use insta::assert_snapshot;
-use serde_json::Value;
-use std::io::{Cursor, Write as _};
-use std::process::Command;
+use std::io::Cursor;
 
 /// Blue of the first line.
-const FIRST_INK: [u8; 3] = [0x00, 0x72, 0xb2];
+pub(crate) const FIRST_INK: [u8; 3] = [0x00, 0x72, 0xb2];
 
-fn read(rher: &Rher, name: &str) -> String {
+pub(crate) fn read(rher: &Rher, name: &str) -> String {
     std::fs::read_to_string(rher.path(name)).unwrap()
 }
 
@@ -204,102 +202,4 @@ fn what_cannot_be_drawn_or_written_leaves_no_file() {
         std::fs::read_dir(rher.path("")).unwrap().map(|entry| entry.unwrap().file_name()).collect();
     names.sort();
     assert_eq!(names, ["a1", "a2", "a3", "b1", "out.html"]);
-}
-
-#[test]
-fn a_report_is_one_page_that_needs_nothing_else() {
-    let rher = three_and_one();
-    rher.ok(&format!("train reach {TINY} --env-steps 1000 --out <run> --quiet"));
-    rher.ok("report a1 a2 a3 b1 <run> -o report.html");
-    let page = read(&rher, "report.html");
-    assert_eq!(page.matches("<svg").count(), 2);
-    assert!(page.contains("src=\"data:image/gif;base64,R0lGOD"), "an episode");
-    assert!(page.contains("No run of push her fast has a policy to show."));
-    assert!(page.contains("95 % [90 %, 99 %]"), "the tables of `rher stats`");
-    assert!(page.contains("&lt;run&gt;") && !page.contains("<run>"), "names are no markup");
-    assert!(page.contains("method = &quot;her&quot;"), "settings");
-    let program = concat!("rher ", env!("CARGO_PKG_VERSION"));
-    assert_eq!(page.matches(program).count(), 2, "the machine of the run, and that of the page");
-    assert_eq!(page.matches("unknown").count(), 4, "machines of runs that kept none");
-    for outside in ["http:", "https:", "<script", "<link rel=\"stylesheet\"", "url("] {
-        let namespace = page.replace("http://www.w3.org/2000/svg", "");
-        assert!(!namespace.contains(outside), "{outside}");
-    }
-}
-
-#[test]
-fn a_browser_shows_a_report_without_an_error_or_a_request() {
-    let Some(browser) = browser() else { return };
-    let rher = three_and_one();
-    rher.ok(&format!("train push {TINY} --env-steps 1000 --out run --quiet"));
-    rher.ok("report a1 a2 a3 b1 run -o report.html");
-    rher.write("asking.html", "<img src=\"http://outside.invalid/picture.png\">");
-    let shot = rher.path("shot.png");
-    let log = rher.path("net.json");
-    let see = |page: &str, what: &str| {
-        let output = Command::new(&browser)
-            .args(["--headless", "--no-sandbox", "--disable-gpu", "--no-first-run"])
-            .args(["--disable-sync", "--disable-component-update", "--no-proxy-server"])
-            .args(["--disable-background-networking", "--host-resolver-rules=MAP * ~NOTFOUND"])
-            .args(["--enable-logging=stderr", "--hide-scrollbars", "--window-size=1100,3200"])
-            .arg(format!("--user-data-dir={}", rher.path("profile").display()))
-            .arg(format!("--log-net-log={}", log.display()))
-            .arg(what)
-            .arg(format!("file://{}", rher.path(page).display()))
-            .env("HOME", rher.path(""))
-            .output()
-            .unwrap();
-        let [stdout, stderr] =
-            [output.stdout, output.stderr].map(|text| String::from_utf8_lossy(&text).into_owned());
-        assert!(output.status.success(), "{stdout}{stderr}");
-        (stdout, stderr, requests_of_the_page(&std::fs::read_to_string(&log).unwrap()))
-    };
-    let (.., asked) = see("asking.html", "--dump-dom");
-    assert_eq!(asked, ["http://outside.invalid/picture.png"], "a request would be noticed");
-
-    let (page, stderr, asked) = see("report.html", "--dump-dom");
-    assert!(asked.is_empty() && !stderr.contains("CONSOLE"), "{asked:?} {stderr}");
-    for text in
-        ["Runs of push rher fast, push her fast", "12,500", "never", "No run of push her fast"]
-    {
-        assert!(page.contains(text), "no `{text}` in:\n{page}");
-    }
-    see("report.html", &format!("--screenshot={}", shot.display()));
-    let (width, height, pixels) = pixels(&std::fs::read(&shot).unwrap());
-    assert_eq!((width, height), (1100, 3200));
-    assert!(count(&pixels, |pixel| *pixel == FIRST_INK) > 300, "curves are shown");
-    let is_wood =
-        |[r, g, b]: &[u8; 3]| r.abs_diff(199) < 12 && g.abs_diff(178) < 12 && b.abs_diff(147) < 14;
-    assert!(count(&pixels, is_wood) > 20_000, "a table is shown, on which things lie");
-}
-
-/// The addresses that a page asked for, in a browser's log of its network.
-///
-/// Browsers also ask on their own behalf: such a request has no origin as its initiator.
-fn requests_of_the_page(log: &str) -> Vec<String> {
-    let log: Value = serde_json::from_str(log).unwrap();
-    let initiated = |event: &Value| {
-        let params = &event["params"];
-        let is_of_a_page = params["initiator"].as_str().is_some_and(|it| it != "not an origin");
-        let url = params["url"].as_str().filter(|_| is_of_a_page)?;
-        let is_inside = ["file:", "data:"].iter().any(|scheme| url.starts_with(scheme));
-        (!is_inside).then(|| url.to_owned())
-    };
-    log["events"].as_array().unwrap().iter().filter_map(initiated).collect()
-}
-
-/// A browser without a window, `RHER_TEST_BROWSER` before all others; `None`, and a note on standard
-/// error, where there is none.
-fn browser() -> Option<String> {
-    if let Ok(chosen) = std::env::var("RHER_TEST_BROWSER") {
-        return Some(chosen);
-    }
-    let names = ["chromium-headless-shell", "chromium", "chromium-browser", "google-chrome"];
-    let runs = |name: &&str| Command::new(name).arg("--version").output().is_ok();
-    let browser = names.into_iter().find(runs);
-    if browser.is_none() {
-        // Past the harness, which keeps what passing tests print.
-        let _ = writeln!(std::io::stderr(), "ignored: no browser, expected one of {names:?}");
-    }
-    browser.map(str::to_owned)
 }

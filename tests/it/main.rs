@@ -21,6 +21,7 @@ mod plans;
 mod pretrained;
 mod python;
 mod recordings;
+mod reports;
 mod reproduce;
 mod resume;
 mod stats;

@@ -659,8 +659,9 @@ Examples:
   rher report runs/push-rher-fast-1
   rher report runs/* -o results.html
 
-The page is one file that opens in any browser, without a network. It has curves, the tables of
-`rher stats`, an episode of the first run of each group, and every setting.")]
+The page is one file that opens in any browser, without a network and without scripts. It has curves,
+the tables and profiles of `rher stats`, an episode of the first run of each group, every metric, and
+what the settings change of their preset. Runs that are still running are marked.")]
 pub(crate) struct ReportArgs {
     /// Run folders, each with `config.toml` and `metrics.jsonl`, or plans of `rher sweep`
     #[arg(required = true, value_name = "RUN")]

@@ -1,6 +1,9 @@
 //! Whether a run that is there is the run that is asked for.
 
 use crate::settings::{self, Settings, SettingsError};
+use crate::{Asked, Run};
+use rher_core::config::Preset;
+use rher_envs::Task;
 use std::path::PathBuf;
 use toml::{Table, Value};
 
@@ -37,6 +40,47 @@ pub fn difference(
     keys.sort();
     let differs = keys.into_iter().find(|key| value(&found, key) != value(&asked, key));
     Ok(differs.map(|key| (key.clone(), value(&found, key), value(&asked, key))))
+}
+
+/// A setting of a run that is not the one of its preset; a side that does not know it is `None`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Departure {
+    /// Dotted.
+    pub key: String,
+    /// Value in the preset, as TOML.
+    pub preset: Option<String>,
+    /// Value in the run, as TOML.
+    pub run: Option<String>,
+}
+
+/// What settings of a run are not those that its preset has for its task today, in the order of their
+/// keys, but those of the end; `None` if the task or the preset is not known here.
+pub fn departures(run: &Run) -> Option<Vec<Departure>> {
+    let task: Task = run.group.task.parse().ok()?;
+    let name = run.settings.get("preset")?.as_str()?;
+    let preset = Preset::ALL.iter().copied().find(|preset| preset.name() == name)?;
+    let asked = Asked { preset: Some(preset), ..Asked::default() };
+    let mut expected = flat(&settings::resolve(task, &asked).ok()?).ok()?;
+    let mut found = Vec::new();
+    let mut table = run.settings.clone();
+    if let Some(name @ Value::String(_)) = table.get("task").cloned() {
+        // Earlier versions wrote its name alone.
+        table
+            .insert("task".to_owned(), Value::Table(Table::from_iter([("name".to_owned(), name)])));
+    }
+    flatten("", table, &mut found);
+    expected.retain(|(key, _)| key != "seed");
+    let value = |list: &[(String, String)], key: &str| {
+        list.iter().find(|(known, _)| known == key).map(|(_, value)| value.clone())
+    };
+    let mut keys: Vec<&String> = expected.iter().chain(&found).map(|(key, _)| key).collect();
+    keys.sort();
+    keys.dedup();
+    let departure = |key: &String| {
+        let (preset, run) = (value(&expected, key), value(&found, key));
+        (preset != run).then(|| Departure { key: key.clone(), preset, run })
+    };
+    Some(keys.into_iter().filter_map(departure).collect())
 }
 
 /// Every setting but those of the end, with its dotted key and its value as TOML.

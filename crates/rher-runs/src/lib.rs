@@ -14,12 +14,14 @@ pub mod sweep;
 mod tensorboard;
 
 pub use config_file::{CONFIG_FILE, ConfigFile, ConfigFileError};
-pub use difference::{OtherSettings, difference};
+pub use difference::{Departure, OtherSettings, departures, difference};
 pub use files::{RunFiles, RunFilesError};
 pub use folder::{RunDir, RunDirError, is_in_use};
 pub use listing::{Listed, State, list};
 pub use machine::Machine;
-pub use metrics::{Evaluation, METRICS_FILE, MetricsError, MetricsFile, read_evaluations};
+pub use metrics::{
+    Evaluation, METRICS_FILE, MetricsError, MetricsFile, read_evaluations, read_metrics,
+};
 pub use pretrained::read_pretrained;
 pub use run::{Group, Groups, Repeated, Run, RunError};
 pub use settings::{Asked, Settings, SettingsError};

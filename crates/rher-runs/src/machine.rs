@@ -15,7 +15,7 @@ const LARGEST: u64 = 1 << 16;
 /// The program and the machine that made a run; results depend on neither, times do.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Machine {
-    /// Name and version.
+    /// Name and version, and the commit if the builder said it in `RHER_COMMIT`.
     pub program: String,
     /// Operating system and instruction set.
     pub system: String,
@@ -32,7 +32,7 @@ impl Machine {
         let mut models =
             processors.lines().filter_map(|line| line.strip_prefix("model name")?.split_once(": "));
         Self {
-            program: concat!("rher ", env!("CARGO_PKG_VERSION")).to_owned(),
+            program: program(),
             system: format!("{} {}", env::consts::OS, env::consts::ARCH),
             processor: models.next().map_or("unknown", |(_, model)| model).to_owned(),
             cores: thread::available_parallelism().map_or(1, NonZeroUsize::get),
@@ -58,4 +58,9 @@ impl Machine {
         let text = toml::to_string(self).expect("text and a number can be written as TOML");
         files::replace(&path, text.as_bytes())
     }
+}
+
+fn program() -> String {
+    let commit = option_env!("RHER_COMMIT").map(|commit| format!(", commit {commit}"));
+    concat!("rher ", env!("CARGO_PKG_VERSION")).to_owned() + &commit.unwrap_or_default()
 }

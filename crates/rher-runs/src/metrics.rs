@@ -8,6 +8,7 @@ use rher_core::RunId;
 use rher_core::event::Metrics;
 use rher_core::files::{self, FileError};
 use serde::Deserialize;
+use serde_json::{Map, Value};
 use std::fs::{File, OpenOptions};
 use std::io::{self, Seek as _, Write as _};
 use std::path::{Path, PathBuf};
@@ -156,6 +157,30 @@ pub fn read_evaluations(
         lines.pop();
     }
     parse(&path, lines.into_iter(), run)
+}
+
+/// Everything that the evaluations of a run say, by key, in the order in which they were made.
+///
+/// # Errors
+///
+/// As [`read_evaluations`].
+pub fn read_metrics(
+    folder: &Path,
+    run: Option<RunId>,
+) -> Result<Vec<Map<String, Value>>, MetricsError> {
+    let count = read_evaluations(folder, run)?.len();
+    let path = folder.join(METRICS_FILE);
+    let text = read_text(&path)?;
+    let lines = text.split(|byte| *byte == b'\n').take(count).enumerate();
+    lines
+        .map(|(index, line)| {
+            serde_json::from_slice(line).map_err(|error| MetricsError::Damaged {
+                path: path.clone(),
+                line: index + 1,
+                problem: error.to_string(),
+            })
+        })
+        .collect()
 }
 
 fn is_complete(line: &[u8]) -> bool {

@@ -1,7 +1,6 @@
 //! Runs as they are compared: what each reached and when, in groups that differ by the seed alone.
 
 use crate::config_file::{CONFIG_FILE, ConfigFile, ConfigFileError};
-use crate::folder::is_in_use;
 use crate::metrics::{Evaluation, METRICS_FILE, MetricsError, read_evaluations};
 use rher_core::RunId;
 use rher_core::files::FileError;
@@ -134,11 +133,6 @@ impl Run {
         }
         let same_seed = (self.seed, &self.group) == (other.seed, &other.group);
         same_seed && self.settings == other.settings
-    }
-
-    /// Whether a process trains it now; never, where the file system has no locks.
-    pub fn is_running(&self) -> bool {
-        is_in_use(&self.folder)
     }
 
     /// The last evaluation.

@@ -4,6 +4,7 @@ use crate::chosen::Chosen;
 use crate::cli::PlotArgs;
 use crate::plot::{Figure, View};
 use crate::printer::Printer;
+use rher_runs::is_in_use;
 
 pub(crate) fn plot(args: &PlotArgs, printer: Printer) -> anyhow::Result<()> {
     let Chosen { groups, unfinished } = Chosen::read(&args.runs, printer)?;
@@ -18,7 +19,11 @@ pub(crate) fn plot(args: &PlotArgs, printer: Printer) -> anyhow::Result<()> {
         title: args.title.clone(),
         columns: args.columns,
         subtasks: !args.no_subtasks,
-        running: groups.iter().flat_map(|(_, runs)| runs).filter(|run| run.is_running()).count(),
+        running: groups
+            .iter()
+            .flat_map(|(_, runs)| runs)
+            .filter(|run| is_in_use(&run.folder))
+            .count(),
     };
     let label = args.title.as_deref().unwrap_or("Learning curves");
     figure.draw(&groups).write(&args.out, label)?;

@@ -77,7 +77,6 @@ pub(super) fn subtask(name: &str, index: usize) -> Look {
 }
 
 /// Of the object with this index.
-#[expect(dead_code, reason = "reports will use it")]
 pub(super) fn object(name: &str, index: usize) -> Look {
     solid(name, STAGES[index % STAGES.len()][1])
 }

@@ -19,7 +19,9 @@ impl View {
         let end = self.end_beside_published(groups);
         let whole = Series {
             look: looks::named(""),
-            value: Box::new(|evaluation| Some(evaluation.success_final)),
+            values: Box::new(|run| {
+                run.evaluations.iter().map(|evaluation| Some(evaluation.success_final)).collect()
+            }),
         };
         let quantity = Quantity { title: String::new(), unit: Unit::Share, series: vec![whole] };
         let ours = self.panels(&quantity, groups, looks, end);
@@ -34,15 +36,14 @@ impl View {
     pub(crate) fn subtasks(self, groups: &[(Group, Vec<Run>)], looks: &Looks) -> Vec<Panel> {
         let task = &groups[0].0.task;
         let count = groups.iter().map(|(_, runs)| runs[0].last().success.len()).max().unwrap_or(1);
-        let known = task.parse().map_or_else(|_| Vec::new(), Task::subtasks);
         let series = (0..count - 1).map(|index| {
-            let name = known.get(index).cloned();
-            let name = name.unwrap_or_else(|| format!("sub-task {}", index + 1));
+            let name = subtask_name(task, index);
             let value = move |evaluation: &Evaluation| {
                 let before_the_last = index + 1 < evaluation.success.len();
                 before_the_last.then(|| evaluation.success[index]).flatten()
             };
-            Series { look: looks::subtask(&name, index), value: Box::new(value) }
+            let values = move |run: &Run| run.evaluations.iter().map(value).collect();
+            Series { look: looks::subtask(&name, index), values: Box::new(values) }
         });
         let title = format!("{task}: sub-tasks");
         let series: Vec<Series> = series.collect();
@@ -81,4 +82,10 @@ impl View {
         };
         looks::published().filter_map(line).collect()
     }
+}
+
+/// What a sub-task is called; also one of a task that is not known here.
+pub(super) fn subtask_name(task: &str, index: usize) -> String {
+    let known = task.parse().map_or_else(|_| Vec::new(), Task::subtasks);
+    known.get(index).cloned().unwrap_or_else(|| format!("sub-task {}", index + 1))
 }

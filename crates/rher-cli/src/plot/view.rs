@@ -46,18 +46,17 @@ pub(crate) enum Unit {
     /// From 0 to 1.
     Share,
     /// Any.
-    #[expect(dead_code, reason = "reports will use it")]
     Number,
 }
 
-/// One number of every evaluation.
+/// One number of every evaluation of a run.
 pub(crate) struct Series {
     pub(crate) look: Look,
-    pub(crate) value: Value,
+    pub(crate) values: Values,
 }
 
-/// What an evaluation says, if it says it.
-pub(crate) type Value = Box<dyn Fn(&Evaluation) -> Option<f64>>;
+/// What each evaluation of a run says, where it says it.
+pub(crate) type Values = Box<dyn Fn(&Run) -> Vec<Option<f64>>>;
 
 impl View {
     /// The panels of a quantity of runs of one task, up to `end`: one in which groups are compared,
@@ -136,8 +135,9 @@ impl View {
     fn curves(self, runs: &[Run], series: &Series) -> Vec<Curve> {
         let curve = |run: &Run| {
             let evaluations = run.evaluations.iter();
-            let point = |it: &Evaluation| Some((self.time(it), (series.value)(it)?));
-            evaluations.filter_map(point).collect()
+            let values = (series.values)(run);
+            let point = |(it, value): (&Evaluation, Option<f64>)| Some((self.time(it), value?));
+            evaluations.zip(values).filter_map(point).collect()
         };
         runs.iter().map(curve).collect()
     }

@@ -5,7 +5,7 @@ mod profiles;
 mod tables;
 
 pub(super) use numbers::Stats;
-pub(super) use profiles::profiles;
+pub(super) use profiles::{PROFILES, profiles};
 pub(super) use tables::{NOTE, sections};
 
 use crate::chosen::Chosen;
@@ -26,12 +26,9 @@ pub(crate) fn stats(args: &StatsArgs, printer: Printer) -> anyhow::Result<()> {
     }
     let stats = Stats::of(&groups, unfinished);
     if let Some(out) = &args.out {
-        let drawing = Sheet {
-            title: None,
-            rows: profiles(&groups, &stats),
-            caption: profiles::CAPTION.to_owned(),
-        }
-        .draw();
+        let drawing =
+            Sheet { title: None, rows: profiles(&groups, &stats), caption: PROFILES.to_owned() }
+                .draw();
         drawing.write(out, "Performance profiles and probability of improvement")?;
         printer.note(format_args!("profiles  {}", out.display()));
     }

@@ -10,7 +10,7 @@ use crate::plot::{
 use rher_runs::{Evaluation, Group, Run};
 
 /// What a picture of them does not say.
-pub(crate) const CAPTION: &str = "\
+pub(crate) const PROFILES: &str = "\
 Lines: share of the n runs whose last evaluation has at least this success, and of those that had \
 reached 95 % by then. Dots: probability that a run of the first group is better than one of the \
 second; dashed: no difference. Bands and bars: 95 % bootstrap intervals over runs.";

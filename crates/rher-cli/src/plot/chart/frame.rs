@@ -15,7 +15,7 @@ pub(super) struct Frame<'a> {
 }
 
 /// Room for numbers and words, in pixels: left of an upright axis, above, right, below.
-const ROOM: [f32; 4] = [46.0, 26.0, 12.0, 40.0];
+const ROOM: [f32; 4] = [46.0, 26.0, 18.0, 40.0];
 
 /// Room above the highest number, so that a line there is seen whole, in pixels.
 const HEADROOM: f32 = 8.0;

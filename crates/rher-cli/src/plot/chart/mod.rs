@@ -14,4 +14,4 @@ pub(crate) use intervals::{Intervals, Row};
 pub(crate) use lines::{Line, LinePanel, Look};
 pub(crate) use marks::{Dash, Ink};
 pub(crate) use sheet::{Drawing, Panel, Sheet};
-pub(crate) use svg::escaped;
+pub(crate) use svg::{escaped, sample};

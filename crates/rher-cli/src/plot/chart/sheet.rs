@@ -57,10 +57,20 @@ impl Panel {
         }
     }
 
-    /// The panel alone, in a size in pixels.
-    #[expect(dead_code, reason = "reports will use it")]
+    pub(crate) fn title(&self) -> &str {
+        match self {
+            Self::Lines(panel) => &panel.title,
+            Self::Intervals(panel) => &panel.title,
+        }
+    }
+
+    /// The panel alone, with a width and, where its rows do not decide it, a height in pixels.
     pub(crate) fn drawing(&self, [width, height]: [f32; 2]) -> Drawing {
         let mut marks = Vec::new();
+        let height = match self {
+            Self::Lines(_) => height,
+            Self::Intervals(panel) => panel.height(),
+        };
         self.draw([0.0, 0.0], [width, height], false, &mut marks);
         Drawing { width, height, marks }
     }

@@ -25,7 +25,6 @@ impl Drawing {
 }
 
 /// A sample of a line as an SVG element, for legends.
-#[expect(dead_code, reason = "reports will use it")]
 pub(crate) fn sample(look: &Look) -> String {
     const SIZE: [f32; 2] = [26.0, 8.0];
     let [width, height] = SIZE;

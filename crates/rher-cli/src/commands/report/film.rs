@@ -1,0 +1,31 @@
+//! An episode of each group, as a moving picture.
+
+use crate::film::{Animation, Film};
+use crate::printer::Printer;
+use crate::trained::Trained;
+use rher_core::train::checkpoint::POLICY_FILE;
+use rher_runs::{Group, Run};
+use std::path::Path;
+
+/// The first evaluation episode of the group's first run that has a policy, with a caption.
+pub(super) fn episode(
+    group: &Group,
+    runs: &[Run],
+    printer: Printer,
+) -> anyhow::Result<Option<(String, &'static str, Vec<u8>)>> {
+    let mut folders = runs.iter().map(|run| &run.folder);
+    let Some(folder) = folders.find(|folder| folder.join(POLICY_FILE).exists()) else {
+        return Ok(None);
+    };
+    let caption = format!("{group}: the first evaluation episode of {}", folder.display());
+    Ok(Some((caption, "image/gif", film(folder, printer)?)))
+}
+
+/// The first evaluation episode of a run's policy, as a GIF file.
+fn film(folder: &Path, printer: Printer) -> anyhow::Result<Vec<u8>> {
+    let trained = Trained::load(folder, printer)?;
+    let (task, policy, test_policy) = (trained.task, &trained.policy, trained.test_policy());
+    let footage = task.visit_with(&trained.options, Film { task, policy, test_policy })??;
+    let animation = Animation::of(&footage.images)?;
+    Ok(animation.map(Animation::finish).transpose()?.unwrap_or_default())
+}
