@@ -19,6 +19,15 @@ fn options_of_other_programs_are_explained() {
 }
 
 #[test]
+#[cfg(not(feature = "live"))]
+fn a_program_without_the_live_view_says_how_to_build_one_with_it() {
+    for option in ["--live", "--live=127.0.0.1:0"] {
+        let ran = Rher::new().run(&format!("train push {option}")).to_string();
+        assert!(ran.starts_with("exit 2") && ran.contains("--features live"), "{ran}");
+    }
+}
+
+#[test]
 fn an_evaluation_names_the_sub_tasks_and_says_how_long_it_will_take() {
     let rher = Rher::new();
     let log = rher.run(&format!("train push --env-steps 500 {TINY} --out run")).stderr;
@@ -112,5 +121,23 @@ fn robustness_is_one_command() {
     ] {
         let ran = rher.run(&format!("eval run --set {key}")).to_string();
         assert!(ran.starts_with("exit 2") && ran.contains(says), "{ran}");
+    }
+}
+
+#[test]
+fn help_fits_terminals_of_any_width() {
+    let rher = Rher::new();
+    for command in ["", "train", "sweep", "eval", "play", "export", "stats", "plot", "report"] {
+        for (columns, widest) in [(60, 60), (80, 80), (200, 100)] {
+            let mut help = rher.command(&format!("{command} --help"));
+            let help = String::from_utf8(
+                help.env("COLUMNS", columns.to_string()).output().unwrap().stdout,
+            );
+            // Clap does not break the line of the usage.
+            for line in help.unwrap().lines().filter(|line| !line.starts_with("Usage:")) {
+                let fits = line.chars().count() <= widest || line.split_whitespace().count() == 1;
+                assert!(fits, "`rher {command} --help` at {columns}: {line}");
+            }
+        }
     }
 }

@@ -121,7 +121,7 @@ Examples:
   rher train tpush --from runs/dpush-rher-fast-1
   rher train --resume runs/push-rher-fast-1
 
-Ctrl-C saves and exits 130; a second Ctrl-C exits at once. SIGTERM and SIGUSR1 do the same with 143,
+Ctrl-C saves and exits 130; a second Ctrl-C exits at once. SIGTERM and SIGUSR1 do the same with 143, \
 SIGHUP with 129, and they end the program within 4 seconds, at worst with the last checkpoint.")]
 pub(crate) struct TrainArgs {
     /// Task to learn; `rher tasks` lists the tasks
@@ -217,10 +217,10 @@ Examples:
   rher sweep --plan plan.jsonl --cell 3    train one of its cells, on any machine
   rher sweep --status plan.jsonl
 
-Every run has its own folder, as `rher train` makes it, and one thread. The same command again
+Every run has its own folder, as `rher train` makes it, and one thread. The same command again \
 resumes runs that were interrupted, and does not touch finished ones.
 
-A plan is a file that machines with a common folder can share: each takes a cell at a time, and a
+A plan is a file that machines with a common folder can share: each takes a cell at a time, and a \
 cell that another one trains is left to it, with exit status 15. docs/sweeps.md explains both.")]
 #[command(group(ArgGroup::new("one").args(["cell", "cell_from"])))]
 pub(crate) struct SweepArgs {
@@ -313,8 +313,8 @@ Examples:
   rher reproduce policies                  Table I, seeds 1 to 3, the published settings
   rher reproduce guide-rate --seeds 1 --preset fast
 
-Every run has its own folder, as `rher train` makes it, and one thread. The same command again
-resumes runs that were interrupted, and does not touch finished ones. What the paper reports
+Every run has its own folder, as `rher train` makes it, and one thread. The same command again \
+resumes runs that were interrupted, and does not touch finished ones. What the paper reports \
 of the experiment is printed first.")]
 pub(crate) struct ReproduceArgs {
     /// Experiment to repeat
@@ -409,8 +409,8 @@ Examples:
   rher eval runs/push-rher-fast-1 --set 'randomize.friction=[0.5,1.5]'
 
 Episodes that fail are counted by kind, by the first of these that is true of one:
-  dropped       an object out of its place is lower than its goal, out of the hand, and has fallen: off
-                the table, from the hand or from a tower
+  dropped       an object has fallen, off the table, from the hand or from a tower: out of its place, it
+                is lower than its goal and than before, and out of the hand
   disturbed     an object out of its place had been lying in it
   out of reach  an object out of its place lies, or should go, where the hand cannot get
   stuck         nothing moved in the last fifth of the episode
@@ -455,9 +455,9 @@ Examples:
   rher play runs/push-rher-fast-1 --film push.gif
   rher play runs/push-rher-fast-1 --film push.mp4 --camera close --size 1280x720 --trim
 
-A recording opens in Foxglove or Lichtblick without set-up. The 3D panel shows the scene, the goals,
-the hindsight goals (the end of the episode) and the goals of the current stage; `/frame` and `/action`
-are numbers to plot. `push.layout.json` beside it is a layout to import. Q is recorded if the path is a
+A recording opens in Foxglove or Lichtblick without set-up. The 3D panel shows the scene, the goals, \
+the hindsight goals (the end of the episode) and the goals of the current stage; `/frame` and `/action` \
+are numbers to plot. `push.layout.json` beside it is a layout to import. Q is recorded if the path is a \
 run folder with a checkpoint, since a policy file holds no critic.")]
 pub(crate) struct PlayArgs {
     /// Run folder or policy file
@@ -523,8 +523,8 @@ Examples:
   rher replay push.mcap
   rher replay push.mcap --verify           exit 0 if every episode reproduces, 12 if one does not
 
-`--verify` simulates every episode again from its seed and its actions, in the environment that the
-recording names, and compares every message bit for bit: poses, observations, rewards, distances,
+`--verify` simulates every episode again from its seed and its actions, in the environment that the \
+recording names, and compares every message bit for bit: poses, observations, rewards, distances, \
 stages. It does not cover who acted, and Q, which depend on the learner.")]
 pub(crate) struct ReplayArgs {
     /// Recording of `rher play --mcap` or `rher train --record-every`
@@ -543,9 +543,9 @@ Examples:
   rher export push.mcap --format minari --out push-minari
 
 A run is played without exploration, as in `rher eval`; a recording is exported unchanged.
-Minari: `minari.MinariDataset(\"DIR/data\")`; where DIR is `ROOT/rher/<TASK>-v0` and
-MINARI_DATASETS_PATH is ROOT, also `minari.load_dataset(\"rher/<TASK>-v0\")`. Observations are those
-of a GoalEnv. LeRobot: `LeRobotDataset(\"rher/<TASK>\", root=\"DIR\")`, version 3.0, 25 frames per
+Minari: `minari.MinariDataset(\"DIR/data\")`; where DIR is `ROOT/rher/<TASK>-v0` and \
+MINARI_DATASETS_PATH is ROOT, also `minari.load_dataset(\"rher/<TASK>-v0\")`. Observations are those \
+of a GoalEnv. LeRobot: `LeRobotDataset(\"rher/<TASK>\", root=\"DIR\")`, version 3.0, 25 frames per \
 second, without pictures; the goal is `observation.environment_state`.")]
 pub(crate) struct ExportArgs {
     /// Run folder or policy file to play, or a recording
@@ -588,9 +588,9 @@ Examples:
   rher stats runs/* --json
   rher stats runs/push-* -o profiles.svg   performance profiles and comparisons as a picture too
 
-Runs of the same task, method and preset are one group, each a sample of it. Intervals are 95 %
+Runs of the same task, method and preset are one group, each a sample of it. Intervals are 95 % \
 bootstrap intervals over the runs of a group, from a fixed seed: the same runs give the same output.
-The probability of improvement is the share of pairs of runs that the first group wins. Ties count
+The probability of improvement is the share of pairs of runs that the first group wins. Ties count \
 half, and so do runs that ended before the other one reached the success rate.")]
 pub(crate) struct StatsArgs {
     /// Run folders, each with `config.toml` and `metrics.jsonl`, or plans of `rher sweep`
@@ -618,10 +618,10 @@ Examples:
   rher plot runs/* --x time -o curves.png  against the wall clock
   rher plot runs/* --no-subtasks --columns 2 --title 'All tasks'
 
-For each task a panel of its success, and one of its sub-tasks before the last. Runs of the same
-method and preset are one line, with a 95 % bootstrap band where there are several; the picture says
+For each task a panel of its success, and one of its sub-tasks before the last. Runs of the same \
+method and preset are one line, with a 95 % bootstrap band where there are several; the picture says \
 how many. A name has the same color in every picture. A run that has ended keeps its last success.
-In an SVG file the pointer shows numbers; it is shown with the fonts of the viewer. A PNG file needs
+In an SVG file the pointer shows numbers; it is shown with the fonts of the viewer. A PNG file needs \
 none.")]
 pub(crate) struct PlotArgs {
     /// Run folders, each with `config.toml` and `metrics.jsonl`, or plans of `rher sweep`
@@ -659,8 +659,8 @@ Examples:
   rher report runs/push-rher-fast-1
   rher report runs/* -o results.html
 
-The page is one file that opens in any browser, without a network and without scripts. It has curves,
-the tables and profiles of `rher stats`, an episode of the first run of each group, every metric, and
+The page is one file that opens in any browser, without a network and without scripts. It has curves, \
+the tables and profiles of `rher stats`, an episode of the first run of each group, every metric, and \
 what the settings change of their preset. Runs that are still running are marked.")]
 pub(crate) struct ReportArgs {
     /// Run folders, each with `config.toml` and `metrics.jsonl`, or plans of `rher sweep`

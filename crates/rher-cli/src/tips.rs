@@ -30,6 +30,10 @@ const FOREIGN: [(&[&str], &str); 8] = [
     (&["--seeds"], "`rher sweep push --seeds 1-5` trains several seeds"),
 ];
 
+/// What is said of `--live` where it is left out.
+const WITHOUT_LIVE: &str = "this program was built without the live view, which `cargo install \
+                            --path crates/rher-cli --features live` builds in";
+
 /// Adds to an error of the command line what helps whoever comes from elsewhere.
 pub(crate) fn add(error: &mut clap::Error) {
     let tip = match error.kind() {
@@ -39,7 +43,9 @@ pub(crate) fn add(error: &mut clap::Error) {
             };
             let name = option.split('=').next().unwrap_or(option);
             let found = FOREIGN.iter().find(|(names, _)| names.contains(&name));
-            found.map(|(_, tip)| (*tip).to_owned())
+            let found = found.map(|(_, tip)| *tip);
+            let left_out = (name == "--live" && !cfg!(feature = "live")).then_some(WITHOUT_LIVE);
+            found.or(left_out).map(str::to_owned)
         }
         ErrorKind::MissingRequiredArgument => {
             let Some(ContextValue::Strings(missing)) = error.get(ContextKind::InvalidArg) else {
