@@ -141,7 +141,7 @@ fn tasks_are_listed_for_people_and_for_programs() {
         assert!(listing.contains(task["name"].as_str().unwrap()), "{listing}");
         assert!(listing.contains(task["about"].as_str().unwrap()), "{listing}");
     }
-    assert!(listing.contains("10,000 to 12,500 steps"), "{listing}");
+    assert!(listing.contains("usually 10,000 to 12,500 steps, 30 s"), "{listing}");
 }
 
 #[test]

@@ -4,7 +4,6 @@ use crate::cli::TasksArgs;
 use crate::numbers::{percent, range_of_steps};
 use crate::printer::Printer;
 use crate::published::{Published, PublishedRun};
-use crate::tables::{table, text};
 use rher_core::goal::EncodedGoal;
 use rher_envs::{EnvVisitor, Simulated, Task};
 use serde::Serialize;
@@ -92,22 +91,21 @@ pub(crate) fn tasks(args: &TasksArgs, printer: Printer) -> anyhow::Result<()> {
         printer.data(&serde_json::to_string_pretty(&facts)?)?;
         return Ok(());
     }
-    let mut listing = table();
-    listing.set_header(["task", "what there is to do", "usually takes", "on one core"]);
-    for TaskFacts { name, about, solved, .. } in facts {
-        let (steps, time) = solved.map_or_else(Default::default, |solved| takes(&solved));
-        listing.add_row([name, about.to_owned(), steps, time]);
-    }
-    printer.data(&text(&listing))?;
+    let width = facts.iter().map(|task| task.name.len()).max().unwrap_or(0) + 2;
+    let describe = |TaskFacts { name, about, solved, .. }: &TaskFacts| {
+        let takes = solved.as_ref().map(|solved| format!("{:width$}{}\n", "", takes(solved)));
+        format!("{name:width$}{about}\n{}", takes.unwrap_or_default())
+    };
+    printer.data(&facts.iter().map(describe).collect::<String>())?;
     Ok(())
 }
 
-/// How many steps it takes to learn a task, and about how much time.
-fn takes(Solved { until, runs }: &Solved) -> (String, String) {
+/// How many steps it usually takes to learn a task, and about how much time.
+fn takes(Solved { until, runs }: &Solved) -> String {
     let steps: Vec<u64> = runs.iter().map(|end| end.env_steps).collect();
     let mut steps = range_of_steps(&steps);
     if *until < USUAL_RATE {
-        steps = format!("{steps} to {}", percent(f64::from(*until)));
+        steps = format!("{steps} until {}", percent(f64::from(*until)));
     }
     let seconds = runs[runs.len() / 2].wall_s as f64;
     let time = match seconds {
@@ -115,5 +113,5 @@ fn takes(Solved { until, runs }: &Solved) -> (String, String) {
         ..55.0 => format!("{:.0} s", 10.0 * (seconds / 10.0).round()),
         _ => format!("{:.0} min", (seconds / 60.0).round()),
     };
-    (steps, time)
+    format!("usually {steps}, {time} on one core")
 }
