@@ -86,6 +86,8 @@ fn median(mut numbers: Vec<u64>) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::published::archive::Archived;
+    use std::collections::BTreeMap;
 
     fn published(courses: &[&[u8]]) -> Published {
         let run =
@@ -142,5 +144,61 @@ mod tests {
         assert!(usual(&TrainConfig { until: 0.0, ..config(Preset::Fast) }).is_none());
         assert!(usual(&TrainConfig { until: 0.99, ..config(Preset::Fast) }).is_none());
         assert!(usual(&Preset::Fast.config("mine", 1)).is_none());
+    }
+
+    /// For each task, the evaluations of archived runs from the second on but for the last, and how
+    /// many of them expect at least half and at most twice of what was left.
+    ///
+    /// A run is not compared with itself where there are others.
+    fn within_a_factor_of_two(kind: &str) -> BTreeMap<String, [usize; 2]> {
+        let published = Archived::all("target");
+        let mut counts = BTreeMap::new();
+        for run in Archived::all(kind) {
+            let mine = run.published();
+            let mut runs = published.iter().filter(|other| other.task == run.task);
+            let all: Vec<PublishedRun> = runs.by_ref().map(Archived::published).collect();
+            let (same, mut others): (Vec<_>, Vec<_>) = all.into_iter().partition(|it| *it == mine);
+            if others.is_empty() {
+                others = same;
+            }
+            let published = Published { until: run.until as f32, runs: others };
+            let found: Vec<Found> = run
+                .evaluations
+                .iter()
+                .zip(&mine.course)
+                .map(|(evaluation, mean)| Found {
+                    env_steps: evaluation.env_steps,
+                    mean: f64::from(*mean),
+                    reached: evaluation.reaches(run.until),
+                })
+                .collect();
+            for seen in 2..found.len() {
+                let now = found[seen - 1].env_steps;
+                let expected = end(&published, &found[..seen], mine.interval) - now;
+                let truth = mine.env_steps() - now;
+                let [within, all] = counts.entry(run.task.clone()).or_insert([0; 2]);
+                *within += usize::from(truth <= 2 * expected && expected <= 2 * truth);
+                *all += 1;
+            }
+        }
+        counts
+    }
+
+    /// The tables of `docs/archive/expected.md`.
+    #[test]
+    fn archived_runs_end_about_when_they_are_expected_to() {
+        let table = |kind: &str| {
+            let counts = within_a_factor_of_two(kind).into_iter();
+            let rows = counts.map(|(task, [within, all])| format!("{task} {within} of {all}"));
+            rows.collect::<Vec<_>>().join(", ")
+        };
+        assert_eq!(
+            table("target"),
+            "cue-push 1 of 1, dpush 23 of 33, drawer 1 of 1, drawer-box 43 of 57, insert 3 of 3, \
+             obstacle-push 13 of 13, pick 19 of 19, push 12 of 12, slide 33 of 36, stack 46 of 49, \
+             tpush 29 of 49, tstack 37 of 38"
+        );
+        assert_eq!(table("ordered"), "dpush 49 of 49, pick 7 of 7, push 16 of 16");
+        assert_eq!(table("bf16"), "dpush 52 of 57, pick 9 of 9, push 11 of 11");
     }
 }

@@ -59,46 +59,78 @@ fn read(line: &str) -> Option<(&str, f32, PublishedRun)> {
     Some((name, until, PublishedRun { interval, wall_s, course }))
 }
 
+/// The runs of the archive.
+#[cfg(test)]
+pub(crate) mod archive {
+    use super::PublishedRun;
+    use rher_runs::{Evaluation, read_evaluations};
+
+    /// A run until it was solved.
+    pub(crate) struct Archived {
+        pub(crate) task: String,
+        /// Success rate in two consecutive evaluations at which it ended.
+        pub(crate) until: f64,
+        pub(crate) evaluations: Vec<Evaluation>,
+    }
+
+    impl Archived {
+        /// The runs whose folders are called `TASK-KIND-seedN` and that were solved.
+        pub(crate) fn all(kind: &str) -> Vec<Self> {
+            let runs = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/archive/runs");
+            let folders = std::fs::read_dir(runs).unwrap().map(|entry| entry.unwrap().path());
+            let mut folders: Vec<_> = folders.collect();
+            folders.sort();
+            let infix = format!("-{kind}-seed");
+            let read = |folder: &std::path::PathBuf| {
+                let (task, _) = folder.file_name()?.to_str()?.split_once(&infix)?;
+                let until = if task == "slide" { 0.9 } else { 0.95 };
+                let mut evaluations = read_evaluations(folder, None).unwrap();
+                let mut two = evaluations.windows(2);
+                let end = two.position(|two| two.iter().all(|it| it.reaches(until)))?;
+                evaluations.truncate(end + 2);
+                Some(Self { task: task.to_owned(), until, evaluations })
+            };
+            folders.iter().filter_map(read).collect()
+        }
+
+        /// As it is published.
+        pub(crate) fn published(&self) -> PublishedRun {
+            let mean = |evaluation: &Evaluation| {
+                let trained: Vec<f64> = evaluation.success.iter().flatten().copied().collect();
+                let mean = trained.iter().sum::<f64>() / trained.len() as f64;
+                (100.0 * mean + 1e-9).round() as u8
+            };
+            PublishedRun {
+                interval: self.evaluations[0].env_steps,
+                wall_s: self.evaluations.last().unwrap().wall_s.round() as u64,
+                course: self.evaluations.iter().map(mean).collect(),
+            }
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
+    use super::archive::Archived;
     use super::*;
-    use rher_runs::{Evaluation, read_evaluations};
-    use std::path::Path;
-
-    /// A line for the run in a folder of the archive.
-    fn line(folder: &Path) -> (u64, u64, String) {
-        let name = folder.file_name().unwrap().to_str().unwrap();
-        let task = name.split_once("-target-").unwrap().0;
-        let until = if task == "slide" { 0.9 } else { 0.95 };
-        let mut evaluations = read_evaluations(folder, None).unwrap();
-        let mut two = evaluations.windows(2);
-        let end = two.position(|two| two.iter().all(|it| it.reaches(until))).unwrap();
-        evaluations.truncate(end + 2);
-        let mean = |evaluation: &Evaluation| {
-            let trained: Vec<f64> = evaluation.success.iter().flatten().copied().collect();
-            let mean = trained.iter().sum::<f64>() / trained.len() as f64;
-            format!("{:.0}", (100.0 * mean + 1e-9).round())
-        };
-        let course: Vec<String> = evaluations.iter().map(mean).collect();
-        let (interval, last) = (evaluations[0].env_steps, &evaluations[end + 1]);
-        let seconds = last.wall_s.round() as u64;
-        let course = course.join(" ");
-        (last.env_steps, seconds, format!("{task} {until} {interval} {seconds} {course}\n"))
-    }
 
     #[test]
     fn what_is_published_is_in_the_archive() {
-        let runs = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/archive/runs");
-        let folders = std::fs::read_dir(runs).unwrap().map(|entry| entry.unwrap().path());
-        let of_today = folders.filter(|path| path.to_str().unwrap().contains("-target-seed"));
-        let mut lines: Vec<_> = of_today.map(|folder| line(&folder)).collect();
+        let mut lines = Vec::new();
+        for run in Archived::all("target") {
+            let PublishedRun { interval, wall_s, course } = run.published();
+            let rates: Vec<String> = course.iter().map(u8::to_string).collect();
+            let rates = rates.join(" ");
+            let line = format!("{} {} {interval} {wall_s} {rates}\n", run.task, run.until);
+            lines.push((interval * course.len() as u64, wall_s, line));
+        }
         lines.sort();
-        let tasks = rher_envs::Task::ALL.iter().map(|task| task.name());
-        let of_task = |task| {
+        let of_task = |task: &rher_envs::Task| {
             let begins = format!("{task} ");
-            lines.iter().filter(move |(.., line)| line.starts_with(&begins))
+            let lines = lines.iter().filter(|(.., line)| line.starts_with(&begins));
+            lines.map(|(.., line)| line.as_str()).collect::<String>()
         };
-        let expected: String = tasks.flat_map(of_task).map(|(.., line)| line.as_str()).collect();
+        let expected: String = rher_envs::Task::ALL.iter().map(of_task).collect();
         assert_eq!(RUNS, expected);
         for line in RUNS.lines() {
             let (.., run) = read(line).unwrap();
