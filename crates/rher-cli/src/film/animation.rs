@@ -13,6 +13,9 @@ const LAST_DELAY: u16 = 100;
 const COLORS: usize = 255;
 const AS_IT_WAS: u8 = COLORS as u8;
 
+/// Colors for what is rare and unlike all else, such as colored letters.
+const RARE: usize = 24;
+
 /// Kinds of colors that are told apart.
 const BINS: usize = 1 << 18;
 
@@ -108,7 +111,7 @@ struct Palette {
 }
 
 impl Palette {
-    /// The most frequent colors of an episode.
+    /// The most frequent colors of an episode, and those that are least like any of them.
     fn of(episode: &[Image]) -> Self {
         // How many pixels, and the sums of their red, green and blue.
         let mut bins = vec![[0_u64; 4]; BINS];
@@ -119,9 +122,20 @@ impl Palette {
         }
         bins.retain(|[count, ..]| *count > 0);
         bins.sort_by_key(|[count, ..]| std::cmp::Reverse(*count));
-        bins.truncate(COLORS);
         let mean = |[count, sums @ ..]: [u64; 4]| sums.map(|sum| (sum / count) as u8);
-        let mut rgb: Vec<u8> = bins.into_iter().flat_map(mean).collect();
+        let mut colors: Vec<[u8; 3]> = bins.into_iter().map(mean).collect();
+        let rare = colors.split_off(colors.len().min(COLORS - RARE));
+        let least = |color: &[u8; 3]| colors.iter().map(|other| distance(other, *color)).min();
+        let mut rare: Vec<_> = rare.into_iter().map(|color| (least(&color), color)).collect();
+        while colors.len() < COLORS
+            && let Some(&(_, next)) = rare.iter().max()
+        {
+            colors.push(next);
+            for (least, color) in &mut rare {
+                *least = (*least).min(Some(distance(&next, *color)));
+            }
+        }
+        let mut rgb: Vec<u8> = colors.into_flattened();
         rgb.resize(3 * (COLORS + 1), 0);
         Self { rgb, known: vec![None; BINS] }
     }
@@ -142,11 +156,13 @@ fn bin(pixel: [u8; 3]) -> usize {
 
 /// Index of the color that differs least.
 fn nearest(rgb: &[u8], pixel: [u8; 3]) -> u8 {
-    let distance = |color: &[u8; 3]| -> u32 {
-        color.iter().zip(pixel).map(|(a, b)| u32::from(a.abs_diff(b)).pow(2)).sum()
-    };
     let colors = rgb.as_chunks::<3>().0.iter().take(COLORS).enumerate();
-    colors.min_by_key(|(_, color)| distance(color)).map_or(0, |(index, _)| index as u8)
+    colors.min_by_key(|(_, color)| distance(color, pixel)).map_or(0, |(index, _)| index as u8)
+}
+
+/// The square of how far two colors are from each other.
+fn distance(a: &[u8; 3], b: [u8; 3]) -> u32 {
+    a.iter().zip(b).map(|(a, b)| u32::from(a.abs_diff(b)).pow(2)).sum()
 }
 
 #[cfg(test)]
@@ -165,6 +181,16 @@ mod tests {
         let pixels = (0..WIDTH * HEIGHT)
             .flat_map(|index| if is_red(index) { [255, 0, 0] } else { [0, 0, 255] });
         Image { width: WIDTH, height: HEIGHT, rgb: pixels.collect() }
+    }
+
+    #[test]
+    fn a_rare_color_is_kept() {
+        let rare = [10, 200, 10];
+        let common = |index: u32| [(index % 64 * 4) as u8, 0, (index / 64 % 64 * 4) as u8];
+        let pixels = (0..2 * 64 * 64).flat_map(common).chain(rare);
+        let rgb: Vec<u8> = pixels.collect();
+        let palette = Palette::of(&[Image { width: rgb.len() / 3, height: 1, rgb }]);
+        assert!(palette.rgb.as_chunks::<3>().0.contains(&rare));
     }
 
     #[test]
