@@ -6,6 +6,7 @@
 mod venv;
 
 use std::ffi::OsString;
+use std::io::{self, Write as _};
 use std::path::Path;
 use std::process::Command;
 
@@ -23,12 +24,16 @@ fn pytest_passes() {
     install.arg("--config-settings=build-args=--features measure");
     run(&mut install);
     let report = run(Command::new(python)
-        .args(["-m", "pytest", "--quiet", "-p", "no:cacheprovider", "--durations=5"])
+        .args(["-m", "pytest", "--quiet", "-rs", "-p", "no:cacheprovider", "--durations=5"])
         // On a shared machine PyTorch's threads wait for each other most of the time.
         .env("OMP_NUM_THREADS", "1")
         .env("RHER", env!("CARGO_BIN_EXE_rher"))
         .current_dir(&package));
     assert!(report.contains(" passed"), "pytest ran nothing:\n{report}");
+    for skipped in report.lines().filter(|line| line.starts_with("SKIPPED")) {
+        // Past the harness, which keeps what passing tests print.
+        let _ = writeln!(io::stderr(), "{skipped}");
+    }
 }
 
 /// Where programs are looked for: beside `python` first, where maturin is.

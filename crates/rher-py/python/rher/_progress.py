@@ -44,7 +44,6 @@ class Log:
         self.task = trainer.task
         self.steps, self.until = trainer.end
         self.env_steps = trainer.env_steps
-        self.names = _names(self.task)
         self.say(self.aim())
 
     def aim(self) -> str:
@@ -68,7 +67,7 @@ class Log:
     def rates(self, metrics: dict[str, Any]) -> str:
         """Success rates of an evaluation, sub-task by sub-task."""
         rates = metrics["success"]
-        names = self.names if len(self.names) == len(rates) else range(1, len(rates) + 1)
+        names = _names(self.task, len(rates))
         known = [
             f"{name} {rate:.0%}" for name, rate in zip(names, rates, strict=True) if rate is not None
         ]
@@ -83,10 +82,10 @@ class Log:
 
 
 class Bar(Log):
-    """A bar of tqdm, with a line above it for each evaluation."""
+    """A line of tqdm that counts steps, with a line above it for each evaluation."""
 
-    #: Where only the success rate ends the run, nobody knows how long it takes.
-    OPEN_END = "{desc}: {n_fmt} of at most {total_fmt} steps |{bar}| {elapsed}, {rate_fmt}{postfix}"
+    #: Where a success rate ends the run, a bar that counts to its last step would say nothing.
+    OPEN_END = "{desc}: {n:,} of at most {total:,} steps [{elapsed}, {rate_fmt}{postfix}]"
 
     def __init__(self, trainer: "_rher.Trainer") -> None:
         with warnings.catch_warnings():
@@ -120,6 +119,13 @@ class Bar(Log):
         super().close(ended)
 
 
-def _names(task: str) -> list[str]:
-    """The sub-tasks of one of our tasks."""
-    return _rher.subtasks(task) if task in _rher.tasks() else []
+def _names(task: str, count: int) -> list[str]:
+    """What the sub-tasks of a task are called; those of an environment of the user's are to reach
+    and to place.
+    """
+    if task in _rher.tasks():
+        return _rher.subtasks(task)
+    both = ("reach", "place")
+    if count <= len(both):
+        return list(both[:count])
+    return [f"{both[index % 2]} {index // 2 + 1}" for index in range(count)]
