@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, final
+from typing import Any, Literal, final
 
 import numpy as np
 import numpy.typing as npt
@@ -26,7 +26,7 @@ def main(arguments: Sequence[str], interpreter: _Path, program: Sequence[str]) -
 def run_settings(folder: _Path) -> str:
     """The settings of a run, as JSON."""
 
-def run_state(folder: _Path) -> str:
+def run_state(folder: _Path) -> Literal["running", "solved", "spent", "stopped"]:
     """Whether a run goes on: ``running``, ``solved``, ``spent`` or ``stopped``."""
 
 @final

@@ -205,7 +205,7 @@ class TaskEnv(gymnasium.Env[Observation, Action]):
             raise InputError(f"state is {state!r}, expected what get_state returned")
         return self._env.set_state(state)
 
-    def render(self) -> NDArray[np.uint8] | None:  # type: ignore[override]
+    def render(self) -> NDArray[np.uint8] | None:
         """A picture ``(height, width, 3)`` of 8-bit numbers with marks at the goals.
 
         It is None without a ``render_mode``.

@@ -37,15 +37,15 @@ class Run:
     @property
     def settings(self) -> dict[str, Any]:
         """Every setting, section by section."""
-        return json.loads(_rher.run_settings(self.path))
+        settings: dict[str, Any] = json.loads(_rher.run_settings(self.path))
+        return settings
 
     @property
     def state(self) -> Literal["running", "solved", "spent", "stopped"]:
         """Whether it goes on: ``"running"`` somewhere, ``"solved"``, ``"spent"`` when it has taken all
         of its steps, or ``"stopped"``, so that :func:`rher.resume` continues it.
         """
-        state: Any = _rher.run_state(self.path)
-        return state
+        return _rher.run_state(self.path)
 
     @property
     def policy(self) -> "_rher.Policy":

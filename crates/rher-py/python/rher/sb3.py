@@ -81,7 +81,7 @@ class TaskVecEnv(VecEnv):
         if seed is not None:
             self.seed(whole("seed", seed, 0, 2**64 - n_envs))
 
-    def reset(self) -> Observation:  # type: ignore[override]
+    def reset(self) -> Observation:
         """Starts an episode in every environment: with the seeds and options that ``seed`` and
         ``set_options`` were given, the latter as in :meth:`rher.TaskEnv.reset`.
         """
@@ -102,7 +102,7 @@ class TaskVecEnv(VecEnv):
 
     def step_wait(
         self,
-    ) -> tuple[Observation, NDArray[np.float32], NDArray[np.bool_], list[dict[str, Any]]]:  # type: ignore[override]
+    ) -> tuple[Observation, NDArray[np.float32], NDArray[np.bool_], list[dict[str, Any]]]:
         """Acts in every environment for one step.
 
         Where an episode ended, the next one has begun: its end is in ``terminal_observation``.

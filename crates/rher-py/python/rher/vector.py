@@ -137,9 +137,10 @@ class TaskVectorEnv(VectorEnv[Observation, Action, NDArray[Any]]):
             super().reset(seed=first)
             return self._envs.reset(list(range(first, first + self.num_envs)), begun)
         seeds = [as_seed(one) for one in seed]
-        if len(seeds) != self.num_envs or None in seeds:
+        known = [one for one in seeds if one is not None]
+        if not len(seeds) == len(known) == self.num_envs:
             raise InputError(f"there are seeds {seeds}, expected one for each of {self.num_envs}")
-        return self._envs.reset(seeds, begun)
+        return self._envs.reset(known, begun)
 
     def step(
         self, actions: Action
