@@ -20,6 +20,7 @@ mod made;
 mod picture;
 mod places;
 mod policy;
+mod run_error;
 mod state;
 mod threads;
 mod train;

@@ -3,25 +3,24 @@
 use crate::any_recorder::{self, Recorded};
 use crate::any_trainer::{AnyTrainer, Changes, OfTask, Start};
 use crate::error::{
-    EnvError, FileError, InputError, InternalError, PolicyError, SettingsError, StateError,
-    TrainError, told, unlocked,
+    FileError, InputError, InternalError, SettingsError, StateError, told, unlocked,
 };
 use crate::foreign::{About, Foreign, Raised};
 use crate::policy::Policy;
+use crate::run_error::{
+    from_checkpoint, from_metrics, from_run_dir, from_settings, from_train, from_write,
+};
 use crate::threads::allowed;
 use crate::watch::{Files, Told, Watch, watch};
 use pyo3::prelude::*;
 use pyo3::types::PyType;
 use rher_core::config::{EngineKind, Method, Precision, Preset, TrainConfig};
-use rher_core::files::FileError as CoreFileError;
-use rher_core::policy::PolicyError as CorePolicyError;
 use rher_core::train::checkpoint::{self, CheckpointError};
-use rher_core::train::{Finish, PretrainedError, TrainError as CoreTrainError};
+use rher_core::train::{Finish, TrainError as CoreTrainError};
 use rher_envs::{Options, Task};
 use rher_runs::{
-    Asked, CONFIG_FILE, ConfigFile, ConfigFileError, EventFile, MetricsError, MetricsFile, RunDir,
-    RunDirError, Settings, SettingsError as CoreSettingsError, State, list, read_pretrained,
-    settings,
+    Asked, CONFIG_FILE, ConfigFile, ConfigFileError, EventFile, MetricsFile, RunDir, Settings,
+    State, list, read_pretrained, settings,
 };
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -448,74 +447,5 @@ fn threads(asked: Option<usize>) -> PyResult<usize> {
         Some(0) => Err(InputError::new_err("workers is 0, expected at least 1")),
         Some(workers) => Ok(workers),
         None => Ok(allowed()),
-    }
-}
-
-fn from_settings(error: CoreSettingsError) -> PyErr {
-    let text = told(&error);
-    // Its words are those of the command line.
-    let text = text.trim_start_matches("--");
-    SettingsError::new_err(match &error {
-        CoreSettingsError::Unknown { nearest: Some(nearest), .. } => {
-            format!("{text}; did you mean `{nearest}`?")
-        }
-        _ => text.to_owned(),
-    })
-}
-
-fn from_run_dir(error: RunDirError) -> PyErr {
-    match error {
-        RunDirError::Settings(error) => from_settings(error),
-        RunDirError::Exists { .. } => {
-            FileError::new_err(format!("{error}: resume it, or give another folder as `out`"))
-        }
-        RunDirError::InUse { path } => FileError::new_err(format!(
-            "`{}` is in use by another process, or by a trainer that was not closed",
-            path.display()
-        )),
-        error => FileError::new_err(told(&error)),
-    }
-}
-
-fn from_write(error: &CoreFileError) -> PyErr {
-    FileError::new_err(told(error))
-}
-
-fn from_metrics(error: &MetricsError) -> PyErr {
-    FileError::new_err(told(error))
-}
-
-fn from_checkpoint(error: &CheckpointError) -> PyErr {
-    match error {
-        CheckpointError::Policy(CorePolicyError::Malformed { .. }) => {
-            PolicyError::new_err(told(error))
-        }
-        CheckpointError::Mismatch { .. } => InputError::new_err(told(error)),
-        _ => FileError::new_err(told(error)),
-    }
-}
-
-/// What stopped a run; `raised` is what the user's environment raised.
-fn from_train(error: &CoreTrainError, raised: Option<PyErr>) -> PyErr {
-    match error {
-        CoreTrainError::Rollout { .. } | CoreTrainError::Evaluate { .. } => {
-            let told = EnvError::new_err(format!("{}; progress was saved", told(error)));
-            Python::attach(|py| told.set_cause(py, raised));
-            told
-        }
-        CoreTrainError::Config(_)
-        | CoreTrainError::Memory(_)
-        | CoreTrainError::Engine(_)
-        | CoreTrainError::Spec(_)
-        | CoreTrainError::OtherObjects { .. }
-        | CoreTrainError::Pretrained(PretrainedError::Unfit { .. })
-        | CoreTrainError::TooFewEnvs { .. } => SettingsError::new_err(told(error)),
-        CoreTrainError::Pretrained(PretrainedError::Checkpoint(error))
-        | CoreTrainError::Checkpoint(error) => from_checkpoint(error),
-        CoreTrainError::Pretrained(PretrainedError::NoCheckpoint { .. }) => {
-            FileError::new_err(told(error))
-        }
-        CoreTrainError::Observer(_) => FileError::new_err(told(error)),
-        _ => TrainError::new_err(told(error)),
     }
 }
