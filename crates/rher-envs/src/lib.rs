@@ -20,8 +20,8 @@
 #[doc = include_str!("../../../docs/adding-a-task.md")]
 struct AddingATask;
 
-mod chosen;
 mod goals;
+mod layout;
 mod observation;
 mod options;
 mod pool;
@@ -33,8 +33,8 @@ pub mod tasks;
 pub mod thing;
 mod threads;
 
-pub use chosen::{Chosen, ChosenError};
 pub use goals::{RewardKind, achieved_goal};
+pub use layout::{Chosen, ChosenError, Layout};
 pub use observation::{Places, Sink, Subject, gripper_and_object};
 pub use options::{
     OptionError, OptionValue, Options, Randomize, RandomizeSetting, TaskOption, TaskOptions,
@@ -44,7 +44,5 @@ pub use sim::{
     Body, DETECTIONS_AND_SOLVER_SUBSTEPS as SUBSTEPS, Fingers, Grip, Motion, RAPIER_VERSION,
     STEP_SECONDS, Scenery, World,
 };
-pub use simulation::{
-    ACTION_WIDTH, Layout, Scenario, Simulated, Simulation, Snapshot, SnapshotError,
-};
+pub use simulation::{ACTION_WIDTH, Scenario, Simulated, Simulation, Snapshot, SnapshotError};
 pub use task::{EnvVisitor, ObjectCount, Task, TaskNameError, TaskObjects, UnknownTask};

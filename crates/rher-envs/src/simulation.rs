@@ -1,6 +1,6 @@
 //! From a [`Scenario`] to an environment.
 
-use crate::chosen::Chosen;
+use crate::layout::{Chosen, Layout};
 use crate::observation::{Labels, Numbers, Owners, Places, Positions, Reflections, Sink};
 use crate::options::{OptionError, Options, Randomize, TaskOption, TaskOptions};
 use crate::sim::{self, Fingers, STEP_SECONDS, World};
@@ -92,25 +92,6 @@ pub trait Scenario<const N: usize>: Sized + Send + 'static {
 
     /// Says what the agent sees.
     fn observe(&self, layout: &Layout<N>, world: &World, out: &mut impl Sink);
-}
-
-/// Where an episode begins and what it asks for; positions are centers.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Layout<const N: usize> {
-    /// Where each object starts.
-    pub objects: [Position; N],
-    /// How far each object is turned about the vertical, in radians.
-    pub turns: [f32; N],
-    /// Where each object should go.
-    pub targets: [Position; N],
-}
-
-impl<const N: usize> Layout<N> {
-    /// Objects that are not turned.
-    #[must_use]
-    pub fn new(objects: [Position; N], targets: [Position; N]) -> Self {
-        Self { objects, turns: [0.0; N], targets }
-    }
 }
 
 /// An environment that can be seen, and whose state can be chosen, kept and returned to.

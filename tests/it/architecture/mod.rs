@@ -17,7 +17,7 @@ const CRATES: [(&str, &[&str]); 7] = [
     ("rher-runs", &["rher_core", "rher_envs"]),
     ("rher-record", &["rher_core", "rher_envs"]),
     ("rher-cli", &["rher_bits", "rher_core", "rher_envs", "rher_runs", "rher_record"]),
-    ("rher-py", &["rher_core", "rher_envs", "rher_runs", "rher_cli"]),
+    ("rher-py", &["rher_core", "rher_envs", "rher_runs", "rher_record", "rher_cli"]),
 ];
 
 /// The only files with `unsafe` code.

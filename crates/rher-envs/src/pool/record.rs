@@ -1,7 +1,7 @@
 //! How a pool got to where it is.
 
 use super::step::{Frames, Pool, PoolError, Slot};
-use crate::chosen::Chosen;
+use crate::layout::Chosen;
 use crate::simulation::Simulated;
 use serde::{Deserialize, Serialize};
 

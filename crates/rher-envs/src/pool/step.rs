@@ -1,7 +1,7 @@
 //! Many environments of one task, stepped together.
 
-use crate::chosen::Chosen;
 use crate::goals::{RewardKind, achieved_goal};
+use crate::layout::Chosen;
 use crate::simulation::Simulated;
 use crate::threads::Threads;
 use rayon::prelude::*;

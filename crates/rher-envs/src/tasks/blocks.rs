@@ -1,7 +1,8 @@
 //! What the tasks with blocks on the table share.
 
+use crate::layout::Layout;
 use crate::sim::{BLOCK_EDGE, Body, Fingers, Motion, World};
-use crate::simulation::{Layout, MIDDLE};
+use crate::simulation::MIDDLE;
 use rand::{Rng, RngExt as _};
 use rher_core::goal::Position;
 use std::array;

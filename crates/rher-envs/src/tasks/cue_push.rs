@@ -1,11 +1,12 @@
 //! `CuePush`: push a cylinder to a place on the table with a cue, as on the real robot.
 
+use crate::layout::Layout;
 use crate::observation::{Sink, cue_and_object};
 use crate::options::{TaskOption, TaskOptions};
 use crate::sim::{
     Body, CUE_RADIUS, CYLINDER_HEIGHT, CYLINDER_RADIUS, Fingers, LONGEST_DELAY, World,
 };
-use crate::simulation::{Layout, MIDDLE, Scenario};
+use crate::simulation::{MIDDLE, Scenario};
 use rand::{Rng, RngExt as _};
 use rand_chacha::ChaCha8Rng;
 use rher_core::goal::Position;

@@ -1,9 +1,10 @@
 //! `DPush`: push two blocks, each to its place on the table, with closed fingers.
 
 use super::blocks::{Blocks, ON_TABLE, are_apart, are_clear_of, draw_places};
+use crate::layout::Layout;
 use crate::observation::{Sink, gripper_and_two_objects};
 use crate::sim::{Fingers, World};
-use crate::simulation::{Layout, Scenario};
+use crate::simulation::Scenario;
 use rand_chacha::ChaCha8Rng;
 use rher_core::goal::Position;
 

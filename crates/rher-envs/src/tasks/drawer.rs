@@ -1,8 +1,9 @@
 //! Drawer: pull a drawer open by its handle.
 
+use crate::layout::Layout;
 use crate::observation::{Sink, gripper_and_object};
 use crate::sim::{Cabinet, Fingers, World};
-use crate::simulation::{Layout, MIDDLE, Scenario};
+use crate::simulation::{MIDDLE, Scenario};
 use nalgebra::Vector3;
 use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;

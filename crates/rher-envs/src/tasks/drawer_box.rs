@@ -1,8 +1,9 @@
 //! `DrawerBox`: pull a drawer open, take a block out of it and put it on top of the cabinet.
 
+use crate::layout::Layout;
 use crate::observation::{Sink, gripper_handle_and_block};
 use crate::sim::{Body, Cabinet, Fingers, World};
-use crate::simulation::{Layout, MIDDLE, Scenario};
+use crate::simulation::{MIDDLE, Scenario};
 use nalgebra::Vector3;
 use rand::{Rng, RngExt as _};
 use rand_chacha::ChaCha8Rng;

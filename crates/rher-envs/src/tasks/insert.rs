@@ -1,8 +1,9 @@
 //! Insert: bring the gripper into a hole.
 
+use crate::layout::Layout;
 use crate::observation::{Sink, tip_and_place};
 use crate::sim::{Body, Fingers, PLATE_HEIGHT, World};
-use crate::simulation::{Layout, MIDDLE, Scenario};
+use crate::simulation::{MIDDLE, Scenario};
 use nalgebra::Vector3;
 use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;

@@ -1,10 +1,11 @@
 //! `ObstaclePush`: push a block to a place on the table, round an obstacle.
 
 use super::blocks::{ON_TABLE, are_clear_of, draw_places};
+use crate::layout::Layout;
 use crate::observation::{Sink, Subject, gripper_and_object};
 use crate::options::{TaskOption, TaskOptions};
 use crate::sim::{BLOCK_EDGE, Body, Fingers, OBSTACLE_HALF, World};
-use crate::simulation::{Layout, Scenario};
+use crate::simulation::Scenario;
 use nalgebra::Vector3;
 use rand_chacha::ChaCha8Rng;
 use rher_core::goal::Position;

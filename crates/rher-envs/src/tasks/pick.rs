@@ -1,9 +1,10 @@
 //! FetchPickAndPlace: bring a block to a place on the table or above it.
 
 use super::blocks::{Blocks, IN_THE_AIR, are_clear_of, draw_places};
+use crate::layout::Layout;
 use crate::observation::{Sink, gripper_and_object};
 use crate::sim::{Fingers, World};
-use crate::simulation::{Layout, Scenario};
+use crate::simulation::Scenario;
 use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
 use rher_core::goal::Position;

@@ -1,8 +1,9 @@
 //! FetchReach: bring the gripper to a place in the air.
 
+use crate::layout::Layout;
 use crate::observation::{Sink, gripper_alone};
 use crate::sim::{Fingers, Scenery, World};
-use crate::simulation::{Layout, MIDDLE, Scenario};
+use crate::simulation::{MIDDLE, Scenario};
 use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
 use rher_core::goal::Position;

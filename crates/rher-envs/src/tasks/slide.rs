@@ -1,8 +1,9 @@
 //! `FetchSlide`: hit a puck so that it slides to a place beyond reach.
 
+use crate::layout::Layout;
 use crate::observation::{Sink, gripper_and_object};
 use crate::sim::{Body, Fingers, PUCK_HEIGHT, World};
-use crate::simulation::{Layout, MIDDLE, Scenario};
+use crate::simulation::{MIDDLE, Scenario};
 use nalgebra::Vector3;
 use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;

@@ -1,9 +1,10 @@
 //! `TPush`: push three blocks, each to its place on the table, with closed fingers.
 
 use super::blocks::{Blocks, ON_TABLE, are_apart, are_clear_of, draw_places, overlap};
+use crate::layout::Layout;
 use crate::observation::{Sink, gripper_and_three_objects};
 use crate::sim::{Fingers, World};
-use crate::simulation::{Layout, Scenario};
+use crate::simulation::Scenario;
 use rand_chacha::ChaCha8Rng;
 use rher_core::goal::Position;
 

@@ -1,9 +1,10 @@
 //! `TStack`: bring a block to a place on the table, and two more on top of it.
 
 use super::blocks::{Blocks, IN_THE_AIR, are_apart, are_clear_of, draw_places, stacked_on};
+use crate::layout::Layout;
 use crate::observation::{Sink, gripper_and_stack};
 use crate::sim::{Fingers, World};
-use crate::simulation::{Layout, Scenario};
+use crate::simulation::Scenario;
 use rand_chacha::ChaCha8Rng;
 use rher_core::goal::Position;
 

@@ -1,6 +1,5 @@
-//! Episodes whose beginning is chosen, as a whole or in part.
+//! How an episode begins, and what may be chosen of it.
 
-use crate::simulation::Layout;
 use nalgebra::Point3;
 use rher_core::goal::Position;
 use serde::{Deserialize, Serialize};
@@ -9,6 +8,25 @@ use std::array;
 /// How far an object may be from where it was asked to start, in meters: larger than usual, it is
 /// put higher by half of what it is larger by.
 const NEAR: f32 = 0.02;
+
+/// Where an episode begins and what it asks for; positions are centers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Layout<const N: usize> {
+    /// Where each object starts.
+    pub objects: [Position; N],
+    /// How far each object is turned about the vertical, in radians.
+    pub turns: [f32; N],
+    /// Where each object should go.
+    pub targets: [Position; N],
+}
+
+impl<const N: usize> Layout<N> {
+    /// Objects that are not turned.
+    #[must_use]
+    pub fn new(objects: [Position; N], targets: [Position; N]) -> Self {
+        Self { objects, turns: [0.0; N], targets }
+    }
+}
 
 /// What is chosen of a [`Layout`]; the rest is drawn.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
