@@ -125,14 +125,14 @@ impl Palette {
         let mean = |[count, sums @ ..]: [u64; 4]| sums.map(|sum| (sum / count) as u8);
         let mut colors: Vec<[u8; 3]> = bins.into_iter().map(mean).collect();
         let rare = colors.split_off(colors.len().min(COLORS - RARE));
-        let least = |color: &[u8; 3]| colors.iter().map(|other| distance(other, *color)).min();
+        let least = |color: &[u8; 3]| colors.iter().map(|other| distance(*other, *color)).min();
         let mut rare: Vec<_> = rare.into_iter().map(|color| (least(&color), color)).collect();
         while colors.len() < COLORS
             && let Some(&(_, next)) = rare.iter().max()
         {
             colors.push(next);
             for (least, color) in &mut rare {
-                *least = (*least).min(Some(distance(&next, *color)));
+                *least = (*least).min(Some(distance(next, *color)));
             }
         }
         let mut rgb: Vec<u8> = colors.into_flattened();
@@ -157,11 +157,11 @@ fn bin(pixel: [u8; 3]) -> usize {
 /// Index of the color that differs least.
 fn nearest(rgb: &[u8], pixel: [u8; 3]) -> u8 {
     let colors = rgb.as_chunks::<3>().0.iter().take(COLORS).enumerate();
-    colors.min_by_key(|(_, color)| distance(color, pixel)).map_or(0, |(index, _)| index as u8)
+    colors.min_by_key(|(_, color)| distance(**color, pixel)).map_or(0, |(index, _)| index as u8)
 }
 
 /// The square of how far two colors are from each other.
-fn distance(a: &[u8; 3], b: [u8; 3]) -> u32 {
+fn distance(a: [u8; 3], b: [u8; 3]) -> u32 {
     a.iter().zip(b).map(|(a, b)| u32::from(a.abs_diff(b)).pow(2)).sum()
 }
 
