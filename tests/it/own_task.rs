@@ -79,6 +79,10 @@ fn an_environment_without_rapier_is_a_task_too() {
     }
     let ran = line("train line --set randomize.friction=[0.5,2]").to_string();
     assert!(ran.contains("environments of this task randomize nothing"), "{ran}");
+    let ran = line("play run --film line.gif").to_string();
+    assert!(ran.contains("cannot be drawn") && !rher.path("line.gif").exists(), "{ran}");
+    // What is not known here is left out of a page.
+    rher.ok("report run -o line.html");
 }
 
 /// An example of this crate in the folder of a test; Cargo builds it with the tests.

@@ -21,7 +21,7 @@ fn a_report_is_one_page_that_needs_nothing_else() {
         assert_eq!(page.matches(&format!(" id=\"{id}\"")).count(), 1, "contents lead to {id}");
     }
     assert!(page.contains("src=\"data:image/gif;base64,R0lGOD"), "an episode");
-    assert!(page.contains("No run of push her fast has a policy to show."));
+    assert!(page.contains("No run of push her fast has a policy that this program can show."));
     assert!(page.contains("95 % [90 %, 99 %]"), "the tables of `rher stats`");
     assert!(page.contains(">push: higher final success</text>"), "the pictures of `rher stats`");
     assert!(page.contains("&lt;run&gt;") && !page.contains("<run>"), "names are no markup");

@@ -11,7 +11,7 @@ mod settings;
 mod sweeps;
 
 pub(crate) use program::{
-    ForeignTask, NoDatasetId, NotReal, OtherBits, OtherRun, RepeatedKey, SameRun,
+    ForeignTask, Invisible, NoDatasetId, NotReal, OtherBits, OtherRun, RepeatedKey, SameRun,
 };
 pub(crate) use report::Report;
 pub(crate) use sweeps::NoCellNumber;
@@ -75,6 +75,7 @@ const KNOWN: &[fn(&(dyn Error + 'static)) -> Option<Report>] = &[
     explain::<NotReal>,
     explain::<OtherBits>,
     explain::<TaskNameError>,
+    explain::<Invisible>,
 ];
 
 /// The report of whatever a command returned: that of the first cause that has one.

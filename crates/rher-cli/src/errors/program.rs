@@ -28,6 +28,21 @@ impl Explain for TaskNameError {
     }
 }
 
+/// Environments of a task cannot be drawn.
+#[derive(Debug, thiserror::Error)]
+#[error("environments of `{task}` cannot be drawn: they name nothing that can be seen")]
+pub(crate) struct Invisible {
+    pub(crate) task: &'static str,
+}
+
+impl Explain for Invisible {
+    fn report(&self) -> Option<Report> {
+        let hint = "implement `rher_envs::Simulated::things` for them; `--mcap` records positions \
+                    without it";
+        Some(Report::new(Status::Usage, hint))
+    }
+}
+
 /// This machine computes other bits than all others.
 #[derive(Debug, thiserror::Error)]
 #[error(

@@ -98,7 +98,8 @@ impl<const N: usize, E: Simulated<N>> Env<N> for Set<'_, E, N> {
     }
 }
 
-/// Films the first evaluation episode of a task that is known at run time.
+/// Films the first evaluation episode of a task that is known at run time; there are no pictures
+/// of an environment that names nothing that can be seen.
 pub(crate) struct Film<'a> {
     pub(crate) task: Task,
     pub(crate) policy: &'a Policy,
@@ -112,7 +113,11 @@ impl EnvVisitor for Film<'_> {
         let Self { task, policy, test_policy } = self;
         let stage = policy.info().last_stage::<N>()?;
         let played = play(&mut build(), policy, stage, test_policy, Seed(0), 0)?;
+        let env = build();
+        if env.things().is_empty() {
+            return Ok(Footage { images: Vec::new(), solved: Vec::new() });
+        }
         let look = Look { viewpoint: Viewpoint::default(), size: PictureSize::DEFAULT };
-        Filmer::new(build(), task, policy.info().reach_distance, look).film(&played)
+        Filmer::new(env, task, policy.info().reach_distance, look).film(&played)
     }
 }

@@ -5,6 +5,7 @@ use super::filmed::Filmer;
 use super::options::{FilmFile, Format, Look, PictureSize};
 use super::video::Video;
 use crate::cli::PictureArgs;
+use crate::errors::Invisible;
 use crate::numbers::{bytes, thousands};
 use crate::printer::Printer;
 use rher_core::evaluate::Played;
@@ -54,6 +55,9 @@ impl<E: Simulated<N>, const N: usize> Pictures<E, N> {
         let &PictureArgs { ref film, ref png_dir, camera: viewpoint, size, trim } = args;
         if film.is_none() && png_dir.is_none() {
             return Ok(None);
+        }
+        if env.things().is_empty() {
+            return Err(Invisible { task: task.name() }.into());
         }
         if let Some(folder) = png_dir {
             std::fs::create_dir_all(folder).map_err(FileError::write(folder))?;

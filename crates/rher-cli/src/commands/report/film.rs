@@ -4,10 +4,12 @@ use crate::film::{Animation, Film};
 use crate::printer::Printer;
 use crate::trained::Trained;
 use rher_core::train::checkpoint::POLICY_FILE;
+use rher_envs::Task;
 use rher_runs::{Group, Run};
 use std::path::Path;
 
-/// The first evaluation episode of the group's first run that has a policy, with a caption.
+/// The first evaluation episode of the group's first run that has a policy, with a caption; none
+/// where the environment is not part of this program, or names nothing that can be seen.
 pub(super) fn episode(
     group: &Group,
     runs: &[Run],
@@ -17,15 +19,18 @@ pub(super) fn episode(
     let Some(folder) = folders.find(|folder| folder.join(POLICY_FILE).exists()) else {
         return Ok(None);
     };
+    if group.task.parse::<Task>().is_err() {
+        return Ok(None);
+    }
     let caption = format!("{group}: the first evaluation episode of {}", folder.display());
-    Ok(Some((caption, "image/gif", film(folder, printer)?)))
+    Ok(film(folder, printer)?.map(|film| (caption, "image/gif", film)))
 }
 
 /// The first evaluation episode of a run's policy, as a GIF file.
-fn film(folder: &Path, printer: Printer) -> anyhow::Result<Vec<u8>> {
+fn film(folder: &Path, printer: Printer) -> anyhow::Result<Option<Vec<u8>>> {
     let trained = Trained::load(folder, printer)?;
     let (task, policy, test_policy) = (trained.task, &trained.policy, trained.test_policy());
     let footage = task.visit_with(&trained.options, Film { task, policy, test_policy })??;
     let animation = Animation::of(&footage.images)?;
-    Ok(animation.map(Animation::finish).transpose()?.unwrap_or_default())
+    Ok(animation.map(Animation::finish).transpose()?)
 }

@@ -79,7 +79,8 @@ fn add_episodes(
     for (group, runs) in groups {
         match film::episode(group, runs, printer)? {
             Some(picture) => pictures.push(picture),
-            None => page.paragraph(&format!("No run of {group} has a policy to show.")),
+            None => page
+                .paragraph(&format!("No run of {group} has a policy that this program can show.")),
         }
     }
     page.pictures(&pictures);
