@@ -8,8 +8,10 @@ use std::path::Path;
 /// Says that a policy, of a run folder or in a file in one, is not the last one of its run, where a
 /// process still trains it.
 pub(crate) fn note_policy(path: &Path, printer: Printer) {
-    let folder = if path.is_dir() { Some(path) } else { path.parent() };
-    if let Some(folder) = folder {
+    // What is neither may be the name of a task, whose policy ships with the program.
+    if path.is_dir() {
+        note(path, "its policy of step", printer);
+    } else if let (true, Some(folder)) = (path.is_file(), path.parent()) {
         note(folder, "its policy of step", printer);
     }
 }
