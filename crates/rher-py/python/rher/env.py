@@ -222,15 +222,20 @@ class TaskEnv(gymnasium.Env[Observation, Action]):
 def register() -> None:
     """Registers the ids with Gymnasium."""
     steps = {task: _rher.Env(task, "{}").episode_steps for task in IDS.values()}
-    kinds = {"sparse": IDS, "dense": DENSE_IDS}
-    for kind, name, task in ((kind, *item) for kind, ids in kinds.items() for item in ids.items()):
-        gymnasium.register(
-            id=name,
-            entry_point="rher.env:TaskEnv",
-            vector_entry_point="rher.vector:TaskVectorEnv",
-            max_episode_steps=steps[task],
-            # Both are done by the environment itself, at a fraction of the cost.
-            order_enforce=False,
-            disable_env_checker=True,
-            kwargs={"task": task, "reward_type": kind},
-        )
+    # What is the default is not in the specification, which datasets are compared by.
+    kinds: list[tuple[dict[str, str], dict[str, str]]] = [
+        (IDS, {}),
+        (DENSE_IDS, {"reward_type": "dense"}),
+    ]
+    for ids, kind in kinds:
+        for name, task in ids.items():
+            gymnasium.register(
+                id=name,
+                entry_point="rher.env:TaskEnv",
+                vector_entry_point="rher.vector:TaskVectorEnv",
+                max_episode_steps=steps[task],
+                # Both are done by the environment itself, at a fraction of the cost.
+                order_enforce=False,
+                disable_env_checker=True,
+                kwargs={"task": task, **kind},
+            )
