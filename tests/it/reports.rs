@@ -131,7 +131,7 @@ fn a_browser_shows_a_report_without_an_error_or_a_request() {
     rher.write("asking.html", "<img src=\"http://outside.invalid/picture.png\">");
     let shot = rher.path("shot.png");
     let log = rher.path("net.json");
-    let see = |page: &str, what: &str| {
+    let see = |page: &str, what: &[&str]| {
         let output = Command::new(&browser)
             .args(["--headless", "--no-sandbox", "--disable-gpu", "--no-first-run"])
             .args(["--disable-sync", "--disable-component-update", "--no-proxy-server"])
@@ -139,7 +139,7 @@ fn a_browser_shows_a_report_without_an_error_or_a_request() {
             .args(["--enable-logging=stderr", "--hide-scrollbars", "--window-size=1100,3200"])
             .arg(format!("--user-data-dir={}", rher.path("profile").display()))
             .arg(format!("--log-net-log={}", log.display()))
-            .arg(what)
+            .args(what)
             .arg(format!("file://{}", rher.path(page).display()))
             .env("HOME", rher.path(""))
             .output()
@@ -149,10 +149,10 @@ fn a_browser_shows_a_report_without_an_error_or_a_request() {
         assert!(output.status.success(), "{stdout}{stderr}");
         (stdout, stderr, requests_of_the_page(&std::fs::read_to_string(&log).unwrap()))
     };
-    let (.., asked) = see("asking.html", "--dump-dom");
+    let (.., asked) = see("asking.html", &["--dump-dom"]);
     assert_eq!(asked, ["http://outside.invalid/picture.png"], "a request would be noticed");
 
-    let (page, stderr, asked) = see("report.html", "--dump-dom");
+    let (page, stderr, asked) = see("report.html", &["--dump-dom"]);
     assert!(asked.is_empty() && !stderr.contains("CONSOLE"), "{asked:?} {stderr}");
     for text in ["Runs of push", "12,500", "never", "No run of push her fast"] {
         assert!(page.contains(text), "no `{text}` in:\n{page}");
@@ -167,12 +167,18 @@ fn a_browser_shows_a_report_without_an_error_or_a_request() {
     let frame =
         format!("<body><iframe style=\"width:390px;border:0\" srcdoc=\"{narrow}\"></iframe>");
     rher.write("narrow.html", frame);
-    let (page, stderr, asked) = see("narrow.html", "--dump-dom");
+    let (page, stderr, asked) = see("narrow.html", &["--dump-dom"]);
     assert!(asked.is_empty() && !stderr.contains("CONSOLE"), "{asked:?} {stderr}");
     let end = &page[page.len().saturating_sub(100)..];
     assert!(end.contains(" is 390 wide"), "it does not scroll sideways: {end}");
 
-    see("report.html", &format!("--screenshot={}", shot.display()));
+    let screenshot = format!("--screenshot={}", shot.display());
+    see("report.html", &[&screenshot, "--blink-settings=preferredColorScheme=0"]);
+    let (.., dark) = pixels(&std::fs::read(&shot).unwrap());
+    assert!(count(&dark, |pixel| *pixel == DARK_PAPER) > dark.len() / 2, "dark mode is dark");
+    assert!(count(&dark, |pixel| *pixel == [0xff; 3]) < dark.len() / 50, "so are its charts");
+
+    see("report.html", &[&screenshot]);
     let (width, height, pixels) = pixels(&std::fs::read(&shot).unwrap());
     assert_eq!((width, height), (1100, 3200));
     assert!(count(&pixels, |pixel| *pixel == FIRST_INK) > 300, "curves are shown");
@@ -180,6 +186,9 @@ fn a_browser_shows_a_report_without_an_error_or_a_request() {
         |[r, g, b]: &[u8; 3]| r.abs_diff(199) < 12 && g.abs_diff(178) < 12 && b.abs_diff(147) < 14;
     assert!(count(&pixels, is_wood) > 20_000, "a table is shown, on which things lie");
 }
+
+/// Background of a page in dark mode.
+const DARK_PAPER: [u8; 3] = [0x16, 0x18, 0x1b];
 
 /// The addresses that a page asked for, in a browser's log of its network.
 ///
