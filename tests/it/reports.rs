@@ -91,6 +91,10 @@ fn a_report_draws_every_metric_and_lists_what_a_preset_does_not_say() {
 
     assert!(page.contains("<tr><td>relay.mirror</td><td>0.5</td><td>0.25</td></tr>"), "{page}");
     assert!(page.contains(" --set exploration.window=7 "), "{page}");
+    assert!(
+        page.contains("<td>env_steps</td>") && page.contains(" --set env_steps=1200 "),
+        "the end"
+    );
     assert!(!page.contains("<td>relay.exchange</td>"), "as in the preset");
 
     // What a later version may write is drawn, too.

@@ -1,7 +1,7 @@
 //! Whether a run that is there is the run that is asked for.
 
 use crate::settings::{self, Settings, SettingsError};
-use crate::{Asked, Run};
+use crate::{Asked, ConfigFile, Run};
 use rher_core::config::Preset;
 use rher_envs::Task;
 use std::path::PathBuf;
@@ -54,15 +54,15 @@ pub struct Departure {
 }
 
 /// What settings of a run are not those that its preset has for its task today, in the order of their
-/// keys, but those of the end; `None` if the task or the preset is not known here.
+/// keys, but the seed; `None` if the task or the preset is not known here.
 pub fn departures(run: &Run) -> Option<Vec<Departure>> {
     let task: Task = run.group.task.parse().ok()?;
     let name = run.settings.get("preset")?.as_str()?;
     let preset = Preset::ALL.iter().copied().find(|preset| preset.name() == name)?;
     let asked = Asked { preset: Some(preset), ..Asked::default() };
-    let mut expected = flat(&settings::resolve(task, &asked).ok()?).ok()?;
+    let mut expected = every(&settings::resolve(task, &asked).ok()?).ok()?;
     let mut found = Vec::new();
-    let mut table = run.settings.clone();
+    let mut table = ConfigFile::read(&run.folder).ok()??.into_table();
     if let Some(name @ Value::String(_)) = table.get("task").cloned() {
         // Earlier versions wrote its name alone.
         table
@@ -70,6 +70,7 @@ pub fn departures(run: &Run) -> Option<Vec<Departure>> {
     }
     flatten("", table, &mut found);
     expected.retain(|(key, _)| key != "seed");
+    found.retain(|(key, _)| key != "seed");
     let value = |list: &[(String, String)], key: &str| {
         list.iter().find(|(known, _)| known == key).map(|(_, value)| value.clone())
     };
@@ -85,11 +86,17 @@ pub fn departures(run: &Run) -> Option<Vec<Departure>> {
 
 /// Every setting but those of the end, with its dotted key and its value as TOML.
 fn flat(settings: &Settings) -> Result<Vec<(String, String)>, SettingsError> {
+    let mut entries = every(settings)?;
+    entries.retain(|(key, _)| key != "env_steps" && key != "until");
+    Ok(entries)
+}
+
+/// Every setting, with its dotted key and its value as TOML.
+fn every(settings: &Settings) -> Result<Vec<(String, String)>, SettingsError> {
     let text = settings::to_toml(settings)?;
     let table: Table = text.parse().expect("TOML that was just written can be read");
     let mut entries = Vec::new();
     flatten("", table, &mut entries);
-    entries.retain(|(key, _)| key != "env_steps" && key != "until");
     Ok(entries)
 }
 
