@@ -1,6 +1,6 @@
 //! What people meet in their first minutes.
 
-use crate::support::{Rher, TINY};
+use crate::support::{Rher, TINY, shell as shell_in};
 use serde_json::Value;
 
 #[test]
@@ -140,4 +140,21 @@ fn help_fits_terminals_of_any_width() {
             }
         }
     }
+}
+
+#[test]
+fn shells_complete_commands_and_man_explains_them() {
+    let rher = Rher::new();
+    for (shell, check) in [("bash", "bash -n"), ("zsh", "zsh -n"), ("fish", "fish --no-execute")] {
+        let script = rher.ok(&format!("completions {shell}"));
+        assert!(script.contains("obstacle-push") && script.contains("reproduce"), "{shell}");
+        rher.write(shell, script);
+        let command = format!("command -v {shell} >/dev/null || exit 0; {check} {shell}");
+        let ran = shell_in(&rher, &command);
+        assert_eq!(ran.status, Some(0), "{shell}: {ran}");
+    }
+    rher.ok("man pages");
+    let page = std::fs::read_to_string(rher.path("pages/rher-train.1")).unwrap();
+    assert!(page.contains("env\\-steps"), "{page}");
+    assert!(rher.path("pages/rher.1").exists());
 }

@@ -76,6 +76,32 @@ pub(crate) enum Command {
     /// Measure the speed of this machine
     #[command(subcommand)]
     Bench(BenchCommand),
+    /// Print what completes commands, options and names of tasks in a shell
+    Completions(CompletionsArgs),
+    /// Write manual pages, one for each command
+    Man(ManArgs),
+}
+
+#[derive(Debug, Args)]
+#[command(after_long_help = "\
+Examples:
+  rher completions bash > ~/.local/share/bash-completion/completions/rher
+  rher completions zsh > ~/.zfunc/_rher             with `fpath+=~/.zfunc` before `compinit`
+  rher completions fish > ~/.config/fish/completions/rher.fish")]
+pub(crate) struct CompletionsArgs {
+    /// Shell that reads them
+    #[arg(value_enum, value_name = "SHELL")]
+    pub(crate) shell: clap_complete::Shell,
+}
+
+#[derive(Debug, Args)]
+#[command(after_long_help = "\
+Example:
+  rher man ~/.local/share/man/man1")]
+pub(crate) struct ManArgs {
+    /// Folder of the pages; it is made if it is not there
+    #[arg(value_name = "DIR")]
+    pub(crate) folder: PathBuf,
 }
 
 #[derive(Debug, Args)]

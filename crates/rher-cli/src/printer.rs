@@ -15,6 +15,11 @@ pub(crate) fn call_the_program(name: &str) {
     }
 }
 
+/// What this program is called.
+pub(crate) fn program_name() -> &'static str {
+    OTHER_NAME.get().map_or("rher", String::as_str)
+}
+
 /// How much is printed on stderr.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Verbosity {

@@ -6,6 +6,7 @@ mod config;
 mod doctor;
 mod eval;
 mod export;
+mod pages;
 mod play;
 mod plot;
 mod replay;
@@ -43,6 +44,8 @@ pub(crate) fn run(command: Command, again: &Again, printer: Printer) -> anyhow::
         Command::Report(args) => report::report(&args, printer)?,
         Command::Config(args) => config::config(&args, printer)?,
         Command::Doctor(args) => doctor::doctor(&args, printer)?,
+        Command::Completions(args) => pages::completions(&args, printer)?,
+        Command::Man(args) => pages::man(&args, printer)?,
         Command::Bench(BenchCommand::Env(args)) => bench::env::bench_env(&args, again, printer)?,
         Command::Bench(BenchCommand::Update(args)) => bench::update::bench_update(&args, printer)?,
     }
