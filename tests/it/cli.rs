@@ -35,22 +35,24 @@ fn help_names_the_verbs_and_every_exit_status() {
     Usage: rher <COMMAND>
 
     Commands:
-      tasks      List the tasks: what there is to do, and how long it usually takes to learn
-      train      Train a policy, or resume a run from its checkpoint
-      sweep      Train with every combination of settings and seeds, several runs at a time
-      reproduce  Repeat an experiment of the paper
-      eval       Measure the success rate of a policy, with a 95 % confidence interval
-      play       Play episodes of a policy, and draw or record them
-      replay     List the episodes of a recording, or verify that they reproduce bit for bit
-      export     Write a dataset of demonstrations in the format of Minari or LeRobot
-      runs       List the runs below a folder: how far they are, and whether they go on
-      stats      Compare runs: sample efficiency, final success, confidence intervals
-      plot       Draw learning curves, with those that the authors published
-      report     Write one HTML page about runs: curves, tables, an episode, settings
-      config     Print every setting of a run as TOML, for `rher train --config`
-      doctor     Say what this machine is, and whether it computes the same bits as every other
-      bench      Measure the speed of this machine
-      help       Print this message or the help of the given subcommand(s)
+      tasks        List the tasks: what there is to do, and how long it usually takes to learn
+      train        Train a policy, or resume a run from its checkpoint
+      sweep        Train with every combination of settings and seeds, several runs at a time
+      reproduce    Repeat an experiment of the paper
+      eval         Measure the success rate of a policy, with a 95 % confidence interval
+      play         Play episodes of a policy, and draw or record them
+      replay       List the episodes of a recording, or verify that they reproduce bit for bit
+      export       Write a dataset of demonstrations in the format of Minari or LeRobot
+      runs         List the runs below a folder: how far they are, and whether they go on
+      stats        Compare runs: sample efficiency, final success, confidence intervals
+      plot         Draw learning curves, with those that the authors published
+      report       Write one HTML page about runs: curves, tables, an episode, settings
+      config       Print every setting of a run as TOML, for `rher train --config`
+      doctor       Say what this machine is, and whether it computes the same bits as every other
+      bench        Measure the speed of this machine
+      completions  Print what completes commands, options and names of tasks in a shell
+      man          Write manual pages, one for each command
+      help         Print this message or the help of the given subcommand(s)
 
     Options:
       -h, --help
@@ -59,7 +61,7 @@ fn help_names_the_verbs_and_every_exit_status() {
       -V, --version
               Print version
 
-    Start with `rher train push`.
+    Start with `rher play stack --film stack.gif`, and with `rher train push`.
 
     Exit status:
         0  success

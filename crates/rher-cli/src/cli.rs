@@ -25,8 +25,8 @@ use std::time::Duration;
     version,
     max_term_width = 100,
     propagate_version = true,
-    after_help = "Start with `rher train push`.",
-    after_long_help = format!("Start with `rher train push`.\n\n{}", Status::table()),
+    after_help = "Start with `rher play stack --film stack.gif`, and with `rher train push`.",
+    after_long_help = format!("Start with `rher play stack --film stack.gif`, and with `rher train push`.\n\n{}", Status::table()),
 )]
 pub(crate) struct Cli {
     #[command(subcommand)]
