@@ -590,7 +590,7 @@ fn what_is_no_policy_is_not_evaluated() {
     exit 5
     error: cannot read `missing`: No such file or directory (os error 2)
 
-    hint: give a run folder that has a policy, or a policy file
+    hint: give a run folder that has a policy, a policy file, or the name of a task, whose policy ships with the program
     ");
 }
 

@@ -48,6 +48,7 @@ fn tasks_have_the_names_of_their_gymnasium_environments_too() {
 #[test]
 fn runs_are_listed_with_their_state() {
     let rher = Rher::new();
+    assert!(rher.run("runs").to_string().starts_with("exit 0\nthere is no run in `runs`"));
     rher.ok(&format!("train push --quiet --env-steps 500 {TINY}"));
     rher.ok(&format!(
         "train reach --quiet --env-steps 500 {TINY} --method her --out runs/a/b --seed 2"

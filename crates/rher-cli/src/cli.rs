@@ -118,10 +118,13 @@ pub(crate) struct DoctorArgs {
     pub(crate) json: bool,
 }
 
+/// Where runs are made unless something else is asked for.
+pub(crate) const DEFAULT_FOLDER: &str = "runs";
+
 #[derive(Debug, Args)]
 pub(crate) struct ListArgs {
     /// Folder to look in, four levels deep
-    #[arg(default_value = "runs", value_name = "DIR")]
+    #[arg(default_value = DEFAULT_FOLDER, value_name = "DIR")]
     pub(crate) folder: PathBuf,
 
     /// Print JSON: an array with one object per run

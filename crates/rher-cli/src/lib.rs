@@ -23,6 +23,7 @@ mod printer;
 mod program;
 mod published;
 mod running;
+mod shell;
 mod shipped;
 mod tables;
 mod tips;

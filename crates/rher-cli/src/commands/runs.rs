@@ -1,14 +1,17 @@
 //! `rher runs`: what is there.
 
-use crate::cli::ListArgs;
+use crate::cli::{DEFAULT_FOLDER, ListArgs};
 use crate::numbers::{bytes, percent, thousands};
 use crate::printer::Printer;
 use crate::tables::{table, text};
 use rher_runs::{Listed, list};
+use std::path::Path;
 
 pub(crate) fn runs(args: &ListArgs, printer: Printer) -> anyhow::Result<()> {
     let mut runs = Vec::new();
-    for run in list(&args.folder)? {
+    // Whoever has not trained yet has no such folder.
+    let is_unmade = args.folder == Path::new(DEFAULT_FOLDER) && !args.folder.exists();
+    for run in if is_unmade { Vec::new() } else { list(&args.folder)? } {
         match run {
             Ok(run) => runs.push(run),
             Err(error) => printer.warn(format_args!("{:#}", anyhow::Error::from(error))),

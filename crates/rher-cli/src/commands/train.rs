@@ -9,6 +9,7 @@ use crate::jobs::{Job, holds_run};
 use crate::numbers::{duration, percent, thousands};
 use crate::observe::{Course, ProgressView, Watch};
 use crate::printer::Printer;
+use crate::shell::word;
 use crate::trained::made_with;
 use rher_core::config::{EngineKind, Precision, TrainConfig};
 use rher_core::event::{Event, Metrics, Progress, Seconds};
@@ -327,13 +328,13 @@ fn run<const N: usize, E: Simulated<N>>(
     }
     printer.note(summary(finish, &trainer, watch.last.as_ref(), watch.files.folder()));
     if finish != Finish::Stopped && !is_cell {
-        printer.note(format_args!("`rher play {} --film policy.gif` shows it", path.display()));
+        printer.note(format_args!("`rher play {} --film policy.gif` shows it", word(&path)));
     }
     if finish == Finish::Stopped {
         printer.note(if is_cell {
             "the same command continues the cell".to_owned()
         } else {
-            format!("`rher train --resume {}` continues the run", path.display())
+            format!("`rher train --resume {}` continues the run", word(&path))
         });
     }
     Ok(match finish {
@@ -351,7 +352,8 @@ fn already_finished(finish: Finish, folder: &RunDir, progress: Progress) -> Stri
     let path = folder.path().display();
     format!(
         "`{path}` is finished: {end}, after {steps} steps\n\n\
-         hint: `rher train --resume {path} --env-steps N` with more steps continues it"
+         hint: `rher train --resume {} --env-steps N` with more steps continues it",
+        word(folder.path())
     )
 }
 

@@ -128,7 +128,8 @@ impl Explain for PolicyError {
             Self::File(FileError { access: Access::Read, source, .. })
                 if source.kind() == io::ErrorKind::NotFound =>
             {
-                let hint = "give a run folder that has a policy, or a policy file";
+                let hint = "give a run folder that has a policy, a policy file, or the name of a task, whose \
+                            policy ships with the program";
                 Some(Report::new(Status::RunFolder, and_there(hint)))
             }
             Self::File(error) => error.report(),

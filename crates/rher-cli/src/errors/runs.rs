@@ -2,6 +2,7 @@
 
 use super::report::{Explain, Report};
 use crate::exit_code::Status;
+use crate::shell::word;
 use rher_runs::{
     ConfigFileError, MetricsError, OtherSettings, RunDirError, RunError, RunFilesError, State, list,
 };
@@ -50,7 +51,7 @@ impl Explain for RunDirError {
                 let more = if is_finished(path) { " --env-steps N" } else { "" };
                 format!(
                     "`rher train --resume {}{more}` continues it; `--out DIR` starts a run elsewhere",
-                    path.display()
+                    word(path)
                 )
             }
             Self::Gone { .. } => {
