@@ -85,9 +85,10 @@ fn an_environment_without_rapier_is_a_task_too() {
     rher.ok("report run -o line.html");
 }
 
-/// An example of this crate in the folder of a test; Cargo builds it with the tests.
+/// An example of this crate in the folder of a test; Cargo builds it where it builds all tests.
 fn example(name: &str, rher: &Rher, arguments: &str) -> Ran {
-    let examples = Path::new(env!("CARGO_BIN_EXE_rher")).with_file_name("examples");
-    let mut command = Command::new(examples.join(name));
+    let program = Path::new(env!("CARGO_BIN_EXE_rher")).with_file_name("examples").join(name);
+    assert!(program.exists(), "`cargo build --release -p rher-cli --examples` makes {program:?}");
+    let mut command = Command::new(program);
     command.current_dir(rher.path("")).args(arguments.split_whitespace()).output().unwrap().into()
 }
