@@ -88,7 +88,7 @@ fn an_environment_without_rapier_is_a_task_too() {
 /// An example of this crate in the folder of a test; Cargo builds it where it builds all tests.
 fn example(name: &str, rher: &Rher, arguments: &str) -> Ran {
     let program = Path::new(env!("CARGO_BIN_EXE_rher")).with_file_name("examples").join(name);
-    assert!(program.exists(), "`cargo build --release -p rher-cli --examples` makes {program:?}");
+    assert!(program.exists(), "`cargo build --release -p rher-cli --examples` makes {name}");
     let mut command = Command::new(program);
     command.current_dir(rher.path("")).args(arguments.split_whitespace()).output().unwrap().into()
 }
