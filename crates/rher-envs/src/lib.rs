@@ -27,6 +27,7 @@ mod options;
 mod pool;
 pub mod render;
 mod sim;
+mod simulated;
 mod simulation;
 mod task;
 pub mod tasks;
@@ -44,5 +45,6 @@ pub use sim::{
     Body, DETECTIONS_AND_SOLVER_SUBSTEPS as SUBSTEPS, Fingers, Grip, Motion, RAPIER_VERSION,
     STEP_SECONDS, Scenery, World,
 };
-pub use simulation::{ACTION_WIDTH, Scenario, Simulated, Simulation, Snapshot, SnapshotError};
+pub use simulated::{Simulated, Snapshot, SnapshotError};
+pub use simulation::{ACTION_WIDTH, Scenario, Simulation};
 pub use task::{EnvVisitor, ObjectCount, Task, TaskNameError, TaskObjects, UnknownTask};

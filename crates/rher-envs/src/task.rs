@@ -1,7 +1,8 @@
 //! From a task's name, known at run time, to its environment, known at compile time.
 
 use crate::options::{OptionError, Options, TaskOption};
-use crate::simulation::{Scenario, Simulated, Simulation};
+use crate::simulated::Simulated;
+use crate::simulation::{Scenario, Simulation};
 use crate::tasks;
 use rher_core::Names;
 use std::fmt;

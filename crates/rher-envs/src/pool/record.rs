@@ -2,7 +2,7 @@
 
 use super::step::{Frames, Pool, PoolError, Slot};
 use crate::layout::Chosen;
-use crate::simulation::Simulated;
+use crate::simulated::Simulated;
 use serde::{Deserialize, Serialize};
 
 /// How a [`Pool`] got to where it is: its running episodes can be played again from this, to the

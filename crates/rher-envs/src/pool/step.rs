@@ -2,7 +2,7 @@
 
 use crate::goals::{RewardKind, achieved_goal};
 use crate::layout::Chosen;
-use crate::simulation::Simulated;
+use crate::simulated::Simulated;
 use crate::threads::Threads;
 use rayon::prelude::*;
 use rher_core::env::{EnvError, EnvSpec, Start};

@@ -1,6 +1,6 @@
 //! What has to be in a picture.
 
-use crate::simulation::Simulated;
+use crate::simulated::Simulated;
 use crate::thing::{Form, Role, Thing};
 use nalgebra::{Point3, Vector3};
 use rher_core::env::{EnvError, Start};

@@ -1,7 +1,7 @@
 //! What only pictures show: goals as ghosts, and an arm that holds the hand.
 
 use super::room::Room;
-use crate::simulation::Simulated;
+use crate::simulated::Simulated;
 use crate::thing::{Color, Form, Role, Shape, Thing, object_color};
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use rher_core::goal::{Achieved, Desired, Position};

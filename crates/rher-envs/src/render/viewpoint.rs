@@ -2,7 +2,7 @@
 
 use super::camera::Camera;
 use super::room::Room;
-use crate::simulation::Simulated;
+use crate::simulated::Simulated;
 use nalgebra::Vector3;
 use rher_core::env::{EnvError, Start};
 
