@@ -224,3 +224,12 @@ fn browser() -> Option<String> {
     }
     browser.map(str::to_owned)
 }
+
+#[test]
+fn a_report_of_what_ships_names_it_as_it_was_asked_for() {
+    let rher = Rher::new();
+    rher.ok("report reach -o page.html");
+    let page = std::fs::read_to_string(rher.path("page.html")).unwrap();
+    assert!(page.contains("the first evaluation episode of reach"));
+    assert!(!page.contains(&std::env::temp_dir().join("rher-").display().to_string()));
+}

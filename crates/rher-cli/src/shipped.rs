@@ -60,6 +60,14 @@ fn unpack(shipped: &Shipped) -> anyhow::Result<PathBuf> {
     Ok(folder)
 }
 
+/// What a file or a folder is called in a text: those that were unpacked by what they were asked for
+/// by.
+pub(crate) fn name(path: &Path) -> String {
+    let unpacked = UNPACKED.lock().expect("no thread panics while it unpacks");
+    let below = unpacked.as_ref().and_then(|place| path.strip_prefix(place.path()).ok());
+    below.unwrap_or(path).display().to_string()
+}
+
 /// Removes what was unpacked.
 pub(crate) fn remove() {
     // What cannot be removed stays in the folder for temporary files.

@@ -2,6 +2,7 @@
 
 use crate::film::{Animation, Film};
 use crate::printer::Printer;
+use crate::shipped;
 use crate::trained::Trained;
 use rher_core::train::checkpoint::POLICY_FILE;
 use rher_envs::Task;
@@ -22,7 +23,7 @@ pub(super) fn episode(
     if group.task.parse::<Task>().is_err() {
         return Ok(None);
     }
-    let caption = format!("{group}: the first evaluation episode of {}", folder.display());
+    let caption = format!("{group}: the first evaluation episode of {}", shipped::name(folder));
     Ok(film(folder, printer)?.map(|film| (caption, "image/gif", film)))
 }
 

@@ -2,6 +2,7 @@
 
 use super::page::RUNNING;
 use crate::numbers::{duration, percent, thousands};
+use crate::shipped;
 use comfy_table::Table;
 use rher_runs::{Group, Machine, Run, is_in_use, list};
 
@@ -24,7 +25,7 @@ pub(super) fn runs(groups: &[(Group, Vec<Run>)]) -> Table {
         let Group { task, method, preset } = &run.group;
         let last = run.last();
         listing.add_row([
-            run.folder.display().to_string(),
+            shipped::name(&run.folder),
             task.clone(),
             method.clone(),
             preset.clone(),
@@ -53,7 +54,7 @@ pub(super) fn machines(groups: &[(Group, Vec<Run>)]) -> Table {
     let mut machines = Table::new();
     machines.set_header(["what", "program", "system", "processor", "cores"]);
     let folders = groups.iter().flat_map(|(_, runs)| runs).map(|run| &run.folder);
-    let runs = folders.map(|path| (path.display().to_string(), Machine::of_run(path)));
+    let runs = folders.map(|path| (shipped::name(path), Machine::of_run(path)));
     for (what, machine) in runs.chain([("this page".to_owned(), Ok(Some(Machine::here())))]) {
         let row = match machine {
             Ok(Some(Machine { program, system, processor, cores })) => {

@@ -1,6 +1,7 @@
 //! The settings of each group: what is not as in its preset, and everything on demand.
 
 use super::page::Page;
+use crate::shipped;
 use comfy_table::Table;
 use rher_core::files::FileError;
 use rher_runs::{CONFIG_FILE, Departure, Group, Run, departures};
@@ -12,7 +13,7 @@ pub(super) fn add(page: &mut Page, group: &Group, runs: &[Run]) -> anyhow::Resul
     if runs.iter().any(|other| other.settings != run.settings) {
         page.paragraph(&format!(
             "The runs of this group differ in more than the seed; these are the settings of {}.",
-            run.folder.display()
+            shipped::name(&run.folder)
         ));
     }
     match departures(run) {
@@ -34,7 +35,7 @@ pub(super) fn add(page: &mut Page, group: &Group, runs: &[Run]) -> anyhow::Resul
     }
     let path = run.folder.join(CONFIG_FILE);
     let text = std::fs::read_to_string(&path).map_err(FileError::read(&path))?;
-    page.details(&format!("All settings, as in {}", path.display()), &text);
+    page.details(&format!("All settings, as in {}", shipped::name(&path)), &text);
     Ok(())
 }
 
