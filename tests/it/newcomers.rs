@@ -159,3 +159,28 @@ fn shells_complete_commands_and_man_explains_them() {
     assert!(page.contains("env\\-steps"), "{page}");
     assert!(rher.path("pages/rher.1").exists());
 }
+
+/// The wheel installs them; where they differ, the same commands renew them.
+#[test]
+fn the_wheel_has_the_pages_and_completions_of_this_program() {
+    let rher = Rher::new();
+    let share =
+        std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../rher-py/rher.data/data/share");
+    let read = |path: &std::path::Path| std::fs::read_to_string(path).unwrap_or_default();
+    rher.ok("man pages");
+    let pages = std::fs::read_dir(rher.path("pages")).unwrap();
+    let names: Vec<_> = pages.map(|page| page.unwrap().file_name()).collect();
+    assert_eq!(names.len(), std::fs::read_dir(share.join("man/man1")).unwrap().count());
+    for name in names {
+        let ours = read(&share.join("man/man1").join(&name));
+        assert!(ours == read(&rher.path("pages").join(&name)), "`rher man` renews {name:?}");
+    }
+    for (shell, file) in [
+        ("bash", "bash-completion/completions/rher"),
+        ("zsh", "zsh/site-functions/_rher"),
+        ("fish", "fish/vendor_completions.d/rher.fish"),
+    ] {
+        let script = rher.ok(&format!("completions {shell}"));
+        assert!(read(&share.join(file)) == script, "`rher completions {shell}` renews {file}");
+    }
+}
