@@ -83,6 +83,14 @@ pub(crate) const TABLE: &[Row] = &[
         because: "the rest is written by the next call",
     },
     Row {
+        verbs: &[Verb::Play, Verb::PlayAgain, Verb::Minari, Verb::Lerobot],
+        calls: &[Call::OpenToRead, Call::Lock],
+        places: &[Place::Lock],
+        faults: &[],
+        outcome: Outcome::Same,
+        because: "whether a process still trains the run is only worth a note",
+    },
+    Row {
         verbs: &[],
         calls: &[Call::Lock],
         places: &[Place::Lock, Place::Worker, Place::Unnamed],
