@@ -50,7 +50,7 @@ fn help_names_the_verbs_and_every_exit_status() {
       config       Print every setting of a run as TOML, for `rher train --config`
       doctor       Say what this machine is, and whether it computes the same bits as every other
       bench        Measure the speed of this machine
-      completions  Print what completes commands, options and names of tasks in a shell
+      completions  Print what completes commands and options in a shell
       man          Write manual pages, one for each command
       help         Print this message or the help of the given subcommand(s)
 

@@ -184,3 +184,16 @@ fn the_wheel_has_the_pages_and_completions_of_this_program() {
         assert!(read(&share.join(file)) == script, "`rher completions {shell}` renews {file}");
     }
 }
+
+#[test]
+fn a_policy_file_knows_by_which_episodes_it_was_judged_only_beside_its_run() {
+    let rher = Rher::new();
+    let train = format!("train reach --quiet --env-steps 500 {TINY} --set evaluation.env_seed=1");
+    rher.ok(&format!("{train} --out run"));
+    let judged = |path: &str| -> Value {
+        serde_json::from_str(&rher.ok(&format!("eval {path} --episodes 2 --json"))).unwrap()
+    };
+    assert_eq!(judged("run/policy.safetensors")["env_seed"], 2);
+    std::fs::copy(rher.path("run/policy.safetensors"), rher.path("alone.safetensors")).unwrap();
+    assert_eq!(judged("alone.safetensors")["held_out"], Value::Null);
+}

@@ -57,6 +57,9 @@ fn a_task_of_a_program_of_its_own_gets_everything() {
     ok("report runs/corner -o corner.html");
     assert!(rher.path("corner.html").exists() && rher.path("corner.gif").exists());
 
+    assert!(ok("--help").contains("Start with `corner play stack"));
+    assert!(ok("eval --help").contains("  corner eval runs/"));
+
     let foreign = rher.run("eval runs/corner").to_string();
     assert!(foreign.contains("`corner`, which is not part of this program"), "{foreign}");
 }

@@ -233,3 +233,28 @@ fn a_report_of_what_ships_names_it_as_it_was_asked_for() {
     assert!(page.contains("the first evaluation episode of reach"));
     assert!(!page.contains(&std::env::temp_dir().join("rher-").display().to_string()));
 }
+
+#[test]
+fn a_page_takes_what_is_there_and_keeps_what_it_is_written_to() {
+    let rher = Rher::new();
+    rher.ok(&format!("train reach --quiet --env-steps 500 {TINY} --out runs/a"));
+    rher.ok(&format!("sweep reach --seeds 1 --env-steps 300 {TINY} --out runs/swept"));
+    let ran = rher.run("report runs/a runs/swept -o page.html");
+    assert_eq!(ran.status, Some(0), "{ran}");
+    assert!(ran.stderr.contains("`runs/swept` holds no run") && ran.stderr.contains("left out"));
+    assert_eq!(rher.run("report runs/swept -o page.html").status, Some(5));
+
+    let link = rher.path("link.html");
+    std::os::unix::fs::symlink("page.html", &link).unwrap();
+    std::fs::write(rher.path("page.html"), "").unwrap();
+    rher.ok("report runs/a -o link.html");
+    assert!(link.is_symlink() && std::fs::metadata(rher.path("page.html")).unwrap().len() > 0);
+    let pipe =
+        "mkfifo pipe; wc -c < pipe > count & \"$RHER\" report runs/a -o pipe; wait; cat count";
+    let ran = crate::support::shell(&rher, pipe);
+    assert!(ran.stdout.trim().parse::<u64>().unwrap() > 1000, "{ran}");
+
+    std::fs::write(rher.path("runs/a/policy.safetensors"), "damaged").unwrap();
+    let ran = rher.run("report runs/a -o page.html");
+    assert!(ran.status == Some(0) && ran.stderr.contains("no film of `runs/a`"), "{ran}");
+}

@@ -24,14 +24,20 @@ impl Chosen {
     ///
     /// # Errors
     ///
-    /// If a folder is named that holds no run that was evaluated, or if something is damaged.
+    /// If no folder holds a run that was evaluated, or if something is damaged.
     pub(crate) fn read(paths: &[PathBuf], printer: Printer) -> anyhow::Result<Self> {
-        let (mut runs, mut unfinished) = (Vec::new(), Vec::new());
+        let (mut runs, mut unfinished, mut left_out) = (Vec::new(), Vec::new(), Vec::new());
         for path in paths {
             let path = &*shipped::folder(path, printer)?;
             if !path.is_file() {
                 note_evaluations(path, printer);
-                runs.push(Run::read(path)?);
+                match Run::read(path) {
+                    // `runs/*` also names folders of sweeps, and runs that have only begun.
+                    Err(error @ (RunError::Missing { .. } | RunError::NoMetrics { .. })) => {
+                        left_out.push(error);
+                    }
+                    run => runs.push(run?),
+                }
                 continue;
             }
             let plan = Plan::read(path)?;
@@ -55,6 +61,12 @@ impl Chosen {
                     unfinished.push(row);
                 }
             }
+        }
+        if runs.is_empty() && unfinished.is_empty() && !left_out.is_empty() {
+            return Err(left_out.swap_remove(0).into());
+        }
+        for error in left_out {
+            printer.note(format_args!("note: {error}; it is left out"));
         }
         let Groups { groups, repeated } = Groups::of(runs);
         for Repeated { folder, counted } in repeated {

@@ -18,6 +18,7 @@ mod host;
 mod jobs;
 mod numbers;
 mod observe;
+mod output;
 mod plot;
 mod printer;
 mod program;

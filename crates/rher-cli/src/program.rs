@@ -4,7 +4,8 @@ use crate::exit_code::Status;
 use crate::host::Again;
 use crate::printer::Printer;
 use crate::{cli, commands, errors, printer, shipped, tips};
-use clap::Parser as _;
+use clap::builder::StyledStr;
+use clap::{Command, CommandFactory as _, FromArgMatches as _};
 use rher_envs::{ObjectCount, Scenario, Simulated, Task, TaskNameError, TaskObjects};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -87,7 +88,8 @@ impl Program {
         let arguments: Vec<OsString> = arguments.into_iter().collect();
         let name = arguments.first().and_then(|path| Path::new(path).file_name()?.to_str());
         printer::call_the_program(name.unwrap_or("rher"));
-        let cli = match cli::Cli::try_parse_from(arguments) {
+        let matches = own_words(cli::Cli::command()).try_get_matches_from(arguments);
+        let cli = match matches.and_then(|matches| cli::Cli::from_arg_matches(&matches)) {
             Ok(cli) => cli,
             Err(mut error) => {
                 tips::add(&mut error);
@@ -109,6 +111,28 @@ impl Program {
         });
         status as u8
     }
+}
+
+/// The command line of a program that may not be called `rher`: its texts recommend what it can do.
+fn own_words(command: Command) -> Command {
+    match printer::program_name() {
+        "rher" => command,
+        name => with_name(command, name).name(name),
+    }
+}
+
+fn with_name(command: Command, name: &'static str) -> Command {
+    let own = |text: &StyledStr| text.to_string().replace("rher ", &format!("{name} "));
+    let after = command.get_after_help().map(own);
+    let after_long = command.get_after_long_help().map(own);
+    let mut command = command.mut_subcommands(|command| with_name(command, name));
+    if let Some(text) = after {
+        command = command.after_help(text);
+    }
+    if let Some(text) = after_long {
+        command = command.after_long_help(text);
+    }
+    command
 }
 
 impl Default for Program {

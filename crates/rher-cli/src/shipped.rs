@@ -44,7 +44,11 @@ fn unpack(shipped: &Shipped) -> anyhow::Result<PathBuf> {
             tempfile::Builder::new()
                 .prefix("rher-")
                 .tempdir()
-                .context("cannot make a temporary folder for the policy that ships with rher")?,
+                .map_err(FileError::write(&std::env::temp_dir()))
+                .context(
+                    "what ships with the program is unpacked into a temporary folder; the variable \
+                     TMPDIR says where",
+                )?,
         ),
     };
     let folder = place.path().join(shipped.task);

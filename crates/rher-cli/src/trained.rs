@@ -38,7 +38,12 @@ impl Trained {
         let name = policy.info().task.clone();
         let task: Task = name.parse().map_err(|_| ForeignTask { name })?;
         let options = made_with(&policy.info().variant, task)?;
-        let run = folder.map(|folder| settings_of(folder, &policy, task)).transpose()?.flatten();
+        let run = match (folder, file.parent()) {
+            (Some(folder), _) => settings_of(folder, &policy, task)?,
+            // A file may lie in the folder of its run; where it lies elsewhere is no matter.
+            (None, Some(beside)) => settings_of(beside, &policy, task).ok().flatten(),
+            (None, None) => None,
+        };
         let folder = folder.map(Path::to_owned);
         Ok(Self { policy, task, options, file, folder, run })
     }
@@ -59,9 +64,9 @@ impl Trained {
         self.run.as_ref().map_or(TestPolicy::Final, |run| run.config.exploration.test_policy)
     }
 
-    /// Seed of the episodes that the evaluations of training had.
-    pub(crate) fn training_seed(&self) -> u64 {
-        self.run.as_ref().map_or(0, |run| run.config.evaluation.env_seed)
+    /// Seed of the episodes that the evaluations of training had; `None` where nobody knows.
+    pub(crate) fn training_seed(&self) -> Option<u64> {
+        self.run.as_ref().map(|run| run.config.evaluation.env_seed)
     }
 
     /// Adds to what a recording says of itself where its policy comes from.

@@ -5,7 +5,7 @@ use crate::folder::is_in_use;
 use crate::metrics::{MetricsError, read_evaluations};
 use crate::run::{Group, Header, RunError};
 use rher_core::files::FileError;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, Serializer};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -16,6 +16,7 @@ const DEPTH: usize = 4;
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Listed {
     /// Where it is.
+    #[serde(serialize_with = "as_text")]
     pub folder: PathBuf,
     /// Task, method and preset.
     #[serde(flatten)]
@@ -86,8 +87,15 @@ fn look_below(
 ) -> Result<(), FileError> {
     let mut folders = Vec::new();
     for entry in fs::read_dir(folder).map_err(FileError::read(folder))? {
-        let path = entry.map_err(FileError::read(folder))?.path();
-        if path.is_dir() {
+        let entry = entry.map_err(FileError::read(folder))?;
+        let path = entry.path();
+        // A link may lead back to where it is.
+        let is_loop = || {
+            let (link, here) = (fs::canonicalize(&path), fs::canonicalize(folder));
+            path.is_symlink()
+                && link.is_ok_and(|link| here.is_ok_and(|here| here.starts_with(link)))
+        };
+        if path.is_dir() && !is_loop() {
             folders.push(path);
         }
     }
@@ -95,8 +103,10 @@ fn look_below(
     for path in folders {
         if path.join(CONFIG_FILE).is_file() {
             found.push(read(&path));
-        } else if depth > 1 {
-            look_below(&path, depth - 1, found)?;
+        } else if depth > 1
+            && let Err(error) = look_below(&path, depth - 1, found)
+        {
+            found.push(Err(error.into()));
         }
     }
     Ok(())
@@ -135,6 +145,11 @@ fn read(folder: &Path) -> Result<Listed, RunError> {
         state,
         bytes: size(folder).map_err(FileError::read(folder))?,
     })
+}
+
+/// Names of folders may be no text.
+fn as_text<S: Serializer>(path: &Path, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_str(&path.display())
 }
 
 /// Bytes of all files in and below a folder.

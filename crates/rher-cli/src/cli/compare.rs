@@ -33,7 +33,8 @@ bootstrap intervals over the runs of a group, from a fixed seed: the same runs g
 The probability of improvement is the share of pairs of runs that the first group wins. Ties count \
 half, and so do runs that ended before the other one reached the success rate.")]
 pub(crate) struct StatsArgs {
-    /// Run folders, each with `config.toml` and `metrics.jsonl`, or plans of `rher sweep`
+    /// Run folders, each with `config.toml` and `metrics.jsonl`, plans of `rher sweep`, or names of
+    /// tasks, whose run ships with the program
     #[arg(required = true, value_name = "RUN")]
     pub(crate) runs: Vec<PathBuf>,
 
@@ -64,7 +65,8 @@ how many. A name has the same color in every picture. A run that has ended keeps
 In an SVG file the pointer shows numbers; it is shown with the fonts of the viewer. A PNG file needs \
 none.")]
 pub(crate) struct PlotArgs {
-    /// Run folders, each with `config.toml` and `metrics.jsonl`, or plans of `rher sweep`
+    /// Run folders, each with `config.toml` and `metrics.jsonl`, plans of `rher sweep`, or names of
+    /// tasks, whose run ships with the program
     #[arg(required = true, value_name = "RUN")]
     pub(crate) runs: Vec<PathBuf>,
 
@@ -103,7 +105,8 @@ The page is one file that opens in any browser, without a network and without sc
 the tables and profiles of `rher stats`, an episode of the first run of each group, every metric, and \
 what the settings change of their preset. Runs that are still running are marked.")]
 pub(crate) struct ReportArgs {
-    /// Run folders, each with `config.toml` and `metrics.jsonl`, or plans of `rher sweep`
+    /// Run folders, each with `config.toml` and `metrics.jsonl`, plans of `rher sweep`, or names of
+    /// tasks, whose run ships with the program
     #[arg(required = true, value_name = "RUN")]
     pub(crate) runs: Vec<PathBuf>,
 

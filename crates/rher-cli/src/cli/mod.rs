@@ -76,7 +76,9 @@ pub(crate) enum Command {
     /// Measure the speed of this machine
     #[command(subcommand)]
     Bench(BenchCommand),
-    /// Print what completes commands, options and names of tasks in a shell
+    /// Print what completes commands and options in a shell
+    ///
+    /// In bash and zsh it completes names of tasks, too.
     Completions(CompletionsArgs),
     /// Write manual pages, one for each command
     Man(ManArgs),

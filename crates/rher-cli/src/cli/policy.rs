@@ -16,14 +16,13 @@ Examples:
   rher eval runs/push-rher-fast-1 --set 'randomize.friction=[0.5,1.5]'
 
 Episodes that fail are counted by kind, by the first of these that is true of one:
-  dropped       an object has fallen, off the table, from the hand or from a tower: out of its place, it
-                is lower than its goal and than before, and out of the hand
+  dropped       an object fell: off the table, from the hand or from a tower
   disturbed     an object out of its place had been lying in it
-  out of reach  an object out of its place lies, or should go, where the hand cannot get
+  out of reach  an object lies, or should go, where the hand cannot get
   stuck         nothing moved in the last fifth of the episode
   late          something still moved when the time was over")]
 pub(crate) struct EvalArgs {
-    /// Run folder or policy file
+    /// Run folder, policy file, or name of a task, whose policy ships with the program
     pub(crate) path: PathBuf,
 
     /// Number of episodes for each sub-task
@@ -67,7 +66,7 @@ the hindsight goals (the end of the episode) and the goals of the current stage;
 are numbers to plot. `push.layout.json` beside it is a layout to import. Q is recorded if the path is a \
 run folder with a checkpoint, since a policy file holds no critic.")]
 pub(crate) struct PlayArgs {
-    /// Run folder or policy file
+    /// Run folder, policy file, or name of a task, whose policy ships with the program
     pub(crate) path: PathBuf,
 
     /// Number of episodes to play
@@ -155,7 +154,8 @@ MINARI_DATASETS_PATH is ROOT, also `minari.load_dataset(\"rher/<TASK>-v0\")`. Ob
 of a GoalEnv. LeRobot: `LeRobotDataset(\"rher/<TASK>\", root=\"DIR\")`, version 3.0, 25 frames per \
 second, without pictures; the goal is `observation.environment_state`.")]
 pub(crate) struct ExportArgs {
-    /// Run folder or policy file to play, or a recording
+    /// Run folder or policy file to play, name of a task, whose policy ships with the program, or a
+    /// recording
     pub(crate) path: PathBuf,
 
     /// Dataset format

@@ -36,17 +36,23 @@ pub(super) struct EvalReport {
     /// Settings of the environments.
     options: Options,
     env_seed: u64,
-    /// Whether these are other episodes than those by which training was judged.
-    held_out: bool,
+    /// Whether these are other episodes than those by which training was judged; `null` where
+    /// nobody knows.
+    held_out: Option<bool>,
 }
 
 pub(crate) fn eval(args: &EvalArgs, printer: Printer) -> anyhow::Result<()> {
     let EvalArgs { path, episodes, seed, set, workers, json } = args;
     let trained = Trained::load(path, printer)?;
     note_policy(path, printer);
-    let set: Vec<_> = set.iter().map(|it| (it.key.clone(), it.value.clone())).collect();
+    // The last of those that are given twice counts.
+    let is_last = |index: usize| set[index + 1..].iter().all(|later| later.key != set[index].key);
+    let set: Vec<_> = (0..set.len())
+        .filter(|index| is_last(*index))
+        .map(|index| (set[index].key.clone(), set[index].value.clone()))
+        .collect();
     let options = settings::resolve_options(trained.task, &trained.options, &set)?;
-    let env_seed = seed.unwrap_or(trained.training_seed().wrapping_add(1));
+    let env_seed = seed.unwrap_or(trained.training_seed().unwrap_or(0).wrapping_add(1));
     let report = judge(&trained, &options, episodes.get(), env_seed, threads(*workers))?;
     let output = if *json {
         serde_json::to_string_pretty(&report)?
@@ -90,7 +96,7 @@ pub(super) fn judge(
         failures,
         options: options.clone(),
         env_seed,
-        held_out: env_seed != trained.training_seed(),
+        held_out: trained.training_seed().map(|of_training| env_seed != of_training),
     })
 }
 
@@ -163,8 +169,11 @@ fn describe(report: &EvalReport, subtasks: &[String], set: &[(String, toml::Valu
     for (key, value) in set {
         add(key, value.to_string());
     }
-    let judged =
-        if report.held_out { "not those of training" } else { "those that training was judged by" };
+    let judged = match report.held_out {
+        Some(true) => "not those of training",
+        Some(false) => "those that training was judged by",
+        None => "perhaps those of training, which the policy alone does not say",
+    };
     add("episodes", format!("of seed {}, {judged}", report.env_seed));
     text(&lines)
 }

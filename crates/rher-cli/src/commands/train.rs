@@ -9,6 +9,7 @@ use crate::jobs::{Job, holds_run};
 use crate::numbers::{duration, percent, thousands};
 use crate::observe::{Course, ProgressView, Watch};
 use crate::printer::Printer;
+use crate::running::note_policy;
 use crate::shell::word;
 use crate::trained::made_with;
 use rher_core::config::{EngineKind, Precision, TrainConfig};
@@ -55,6 +56,9 @@ pub(crate) fn train(args: &TrainArgs, printer: Printer) -> anyhow::Result<Status
             let settings = settings::resolve_here(*task, &settings.into())?;
             let path = out.clone().unwrap_or_else(|| RunDir::default_path(&settings.config));
             let pretrained = args.from.as_deref().map(read_pretrained).transpose()?;
+            if let Some(from) = &args.from {
+                note_policy(from, printer);
+            }
             let start = Start::New { path, pretrained: pretrained.map(Box::new) };
             begin(*task, settings, start, how)
         }
@@ -164,6 +168,7 @@ impl EnvVisitor for Session {
         let started = Instant::now();
         let How { workers, record_every, tensorboard, printer, max_wall, claim, .. } = how;
         let envs: Vec<E> = (0..config.envs.max(workers)).map(|_| build()).collect();
+        let is_visible = !envs[0].things().is_empty();
         let (folder, mut trainer) = match start {
             Start::New { path, pretrained } => {
                 let trainer = match pretrained {
@@ -251,7 +256,7 @@ impl EnvVisitor for Session {
             last: None,
         };
         let left = max_wall.map(|time| time.saturating_sub(started.elapsed()));
-        run(trainer, watch, left, printer)
+        run(trainer, watch, left, is_visible, printer)
     }
 }
 
@@ -266,6 +271,14 @@ fn change_end<const N: usize, E: Simulated<N>>(
     let is_solved = trainer.finished() == Some(Finish::Solved);
     if let Some(env_steps) = env_steps {
         trainer.set_env_steps(env_steps);
+        let taken = trainer.progress().env_steps;
+        if env_steps < taken {
+            printer.note(format_args!(
+                "the run has taken {} steps, more than the {} that it is to end after: it ends here",
+                thousands(taken),
+                thousands(env_steps)
+            ));
+        }
         if is_solved && until.is_none() && env_steps > trainer.progress().env_steps {
             printer.note(format_args!(
                 "the run reached its success rate before; it continues to {} steps",
@@ -299,6 +312,7 @@ fn run<const N: usize, E: Simulated<N>>(
     mut trainer: Trainer<N, E>,
     mut watch: Watch<E, N>,
     left: Option<Duration>,
+    is_visible: bool,
     printer: Printer,
 ) -> anyhow::Result<Status> {
     let path = watch.files.path().to_owned();
@@ -328,7 +342,8 @@ fn run<const N: usize, E: Simulated<N>>(
     }
     printer.note(summary(finish, &trainer, watch.last.as_ref(), watch.files.folder()));
     if finish != Finish::Stopped && !is_cell {
-        printer.note(format_args!("`rher play {} --film policy.gif` shows it", word(&path)));
+        let film = if is_visible { " --film policy.gif" } else { "" };
+        printer.note(format_args!("`rher play {}{film}` shows it", word(&path)));
     }
     if finish == Finish::Stopped {
         printer.note(if is_cell {

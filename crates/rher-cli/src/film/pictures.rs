@@ -7,6 +7,7 @@ use super::video::Video;
 use crate::cli::PictureArgs;
 use crate::errors::Invisible;
 use crate::numbers::{bytes, thousands};
+use crate::output;
 use crate::printer::Printer;
 use rher_core::evaluate::Played;
 use rher_core::files::{self, FileError};
@@ -123,6 +124,7 @@ fn trimmed(solved: &[bool]) -> usize {
 
 impl Film {
     fn start(FilmFile { path, format }: &FilmFile, size: PictureSize) -> anyhow::Result<Self> {
+        let path = &output::target(path)?;
         let encoding = match format {
             Format::Gif => Encoding::Gif(None),
             Format::Video(format) => Encoding::Video(Video::start(path, format, size)?),

@@ -105,7 +105,11 @@ impl Video {
     /// Puts the whole film in its place.
     pub(crate) fn finish(mut self) -> anyhow::Result<()> {
         drop(self.encoder.0.stdin.take());
-        if !self.encoder.0.wait().is_ok_and(|status| status.success()) {
+        let is_well = self.encoder.0.wait().is_ok_and(|status| status.success());
+        // On a full disk some versions end well, with an error among what they say.
+        let is_silent = self.said.metadata().is_ok_and(|said| said.len() == 0);
+        let is_there = self.part.as_file().metadata().is_ok_and(|film| film.len() > 0);
+        if !(is_well && is_silent && is_there) {
             return Err(self.failed().into());
         }
         let written = self.part.as_file().sync_all().map_err(FileError::write(&self.path));

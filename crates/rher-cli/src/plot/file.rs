@@ -1,8 +1,8 @@
 //! Drawings as files.
 
 use super::chart::Drawing;
+use crate::output;
 use anyhow::Context as _;
-use rher_core::files;
 use std::path::Path;
 
 impl Drawing {
@@ -15,7 +15,6 @@ impl Drawing {
         } else {
             self.svg(label).into_bytes()
         };
-        files::replace(out, &file)?;
-        Ok(())
+        Ok(output::write(out, &file)?)
     }
 }

@@ -15,16 +15,18 @@ pub(super) fn episode(
     group: &Group,
     runs: &[Run],
     printer: Printer,
-) -> anyhow::Result<Option<(String, &'static str, Vec<u8>)>> {
+) -> Option<(String, &'static str, Vec<u8>)> {
     let mut folders = runs.iter().map(|run| &run.folder);
-    let Some(folder) = folders.find(|folder| folder.join(POLICY_FILE).exists()) else {
-        return Ok(None);
-    };
-    if group.task.parse::<Task>().is_err() {
-        return Ok(None);
-    }
+    let folder = folders.find(|folder| folder.join(POLICY_FILE).exists())?;
+    group.task.parse::<Task>().ok()?;
     let caption = format!("{group}: the first evaluation episode of {}", shipped::name(folder));
-    Ok(film(folder, printer)?.map(|film| (caption, "image/gif", film)))
+    match film(folder, printer) {
+        Ok(film) => film.map(|film| (caption, "image/gif", film)),
+        Err(error) => {
+            printer.warn(format_args!("no film of `{}`: {error:#}", shipped::name(folder)));
+            None
+        }
+    }
 }
 
 /// The first evaluation episode of a run's policy, as a GIF file.

@@ -9,10 +9,10 @@ mod settings;
 use super::stats::{NOTE, PROFILES, Stats, profiles, sections};
 use crate::chosen::Chosen;
 use crate::cli::ReportArgs;
+use crate::output;
 use crate::plot::{Clock, Looks, Measure, View, by_task, name, quantities};
 use crate::printer::Printer;
 use page::{Page, Size};
-use rher_core::files;
 use rher_runs::{Group, Run};
 
 pub(crate) fn report(args: &ReportArgs, printer: Printer) -> anyhow::Result<()> {
@@ -22,7 +22,7 @@ pub(crate) fn report(args: &ReportArgs, printer: Printer) -> anyhow::Result<()> 
     let mut page = Page::default();
     add_success(&mut page, &groups, &looks);
     add_statistics(&mut page, &groups, &stats);
-    add_episodes(&mut page, &groups, printer)?;
+    add_episodes(&mut page, &groups, printer);
     add_metrics(&mut page, &groups, &looks)?;
     page.section("Runs");
     page.table("The last evaluation of each run", &listing::runs(&groups));
@@ -33,7 +33,7 @@ pub(crate) fn report(args: &ReportArgs, printer: Printer) -> anyhow::Result<()> 
     page.section("Hardware");
     page.table("Programs and machines", &listing::machines(&groups));
     let page = page.finish(&facts::title(&groups), &facts::facts(args, &groups));
-    files::replace(&args.out, page.as_bytes())?;
+    output::write(&args.out, page.as_bytes())?;
     printer.note(format_args!("report  {}", args.out.display()));
     Ok(())
 }
@@ -69,22 +69,17 @@ fn add_statistics(page: &mut Page, groups: &[(Group, Vec<Run>)], stats: &Stats) 
     page.charts(&profiles(groups, stats).concat(), Size::Small);
 }
 
-fn add_episodes(
-    page: &mut Page,
-    groups: &[(Group, Vec<Run>)],
-    printer: Printer,
-) -> anyhow::Result<()> {
+fn add_episodes(page: &mut Page, groups: &[(Group, Vec<Run>)], printer: Printer) {
     page.section("Episodes");
     let mut pictures = Vec::new();
     for (group, runs) in groups {
-        match film::episode(group, runs, printer)? {
+        match film::episode(group, runs, printer) {
             Some(picture) => pictures.push(picture),
             None => page
                 .paragraph(&format!("No run of {group} has a policy that this program can show.")),
         }
     }
     page.pictures(&pictures);
-    Ok(())
 }
 
 fn add_metrics(page: &mut Page, groups: &[(Group, Vec<Run>)], looks: &Looks) -> anyhow::Result<()> {
