@@ -14,6 +14,7 @@ use rher_envs::{Options, Task};
 use rher_record::RecordingInfo;
 use rher_runs::{CONFIG_FILE, ConfigFile, Settings, settings};
 use sha2::{Digest as _, Sha256};
+use std::borrow::Cow;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -23,7 +24,7 @@ pub(crate) struct Trained {
     pub(crate) task: Task,
     /// What its environments were made with.
     pub(crate) options: Options,
-    file: PathBuf,
+    file_sha256: String,
     folder: Option<PathBuf>,
     run: Option<Settings>,
 }
@@ -31,7 +32,8 @@ pub(crate) struct Trained {
 impl Trained {
     /// Loads a run folder, a policy file, or the policy that ships with the program for a task.
     pub(crate) fn load(path: &Path, printer: Printer) -> anyhow::Result<Self> {
-        let path = &*shipped::folder(path, printer)?;
+        let place = shipped::folder(path, printer)?;
+        let path = &*place;
         let folder = path.is_dir().then_some(path);
         let file = folder.map_or_else(|| path.to_owned(), |folder| folder.join(POLICY_FILE));
         let policy = Policy::load(&file)?;
@@ -44,8 +46,14 @@ impl Trained {
             (None, Some(beside)) => settings_of(beside, &policy, task).ok().flatten(),
             (None, None) => None,
         };
+        let bytes = std::fs::read(&file).map_err(FileError::read(&file))?;
+        let file_sha256 = sha256(&bytes);
         let folder = folder.map(Path::to_owned);
-        Ok(Self { policy, task, options, file, folder, run })
+        if let Cow::Owned(_) = place {
+            // All of it is in memory now, so that nothing stays behind whatever ends the program.
+            shipped::remove();
+        }
+        Ok(Self { policy, task, options, file_sha256, folder, run })
     }
 
     /// What the learner of the run expects of actions.
@@ -71,8 +79,7 @@ impl Trained {
 
     /// Adds to what a recording says of itself where its policy comes from.
     pub(crate) fn describe(&self, info: &mut RecordingInfo) -> anyhow::Result<()> {
-        let bytes = std::fs::read(&self.file).map_err(FileError::read(&self.file))?;
-        info.policy_sha256 = sha256(&bytes);
+        info.policy_sha256.clone_from(&self.file_sha256);
         info.run = self.policy.run();
         if let Some(run) = &self.run {
             info.config = settings::to_toml(run)?;
