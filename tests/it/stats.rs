@@ -92,7 +92,7 @@ fn what_is_no_run_is_told_with_a_way_out() {
     hint: give a folder that `rher train` made: it has `config.toml` and `metrics.jsonl`
     ");
     rher.write("a2/metrics.jsonl", "");
-    assert_snapshot!(rher.run("stats a1 a2"), @"
+    assert_snapshot!(rher.run("stats a2"), @"
     exit 5
     error: `a2/metrics.jsonl` has no metrics yet: expected a line for each evaluation
 

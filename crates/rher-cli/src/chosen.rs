@@ -24,7 +24,7 @@ impl Chosen {
     ///
     /// # Errors
     ///
-    /// If no folder holds a run that was evaluated, or if something is damaged.
+    /// If no folder holds a run that was evaluated, or if something is not there or damaged.
     pub(crate) fn read(paths: &[PathBuf], printer: Printer) -> anyhow::Result<Self> {
         let (mut runs, mut unfinished, mut left_out) = (Vec::new(), Vec::new(), Vec::new());
         for path in paths {
@@ -33,7 +33,9 @@ impl Chosen {
                 note_evaluations(path, printer);
                 match Run::read(path) {
                     // `runs/*` also names folders of sweeps, and runs that have only begun.
-                    Err(error @ (RunError::Missing { .. } | RunError::NoMetrics { .. })) => {
+                    Err(error @ (RunError::Missing { .. } | RunError::NoMetrics { .. }))
+                        if path.is_dir() =>
+                    {
                         left_out.push(error);
                     }
                     run => runs.push(run?),
