@@ -11,7 +11,7 @@ use std::any::Any;
 
 /// An environment that can be seen, and whose state can be chosen, kept and returned to.
 ///
-/// What it has no answer to, an environment that is no [`Simulation`] leaves out: it cannot be drawn
+/// What it has no answer to, an environment that is no [`Simulation`](crate::Simulation) leaves out: it cannot be drawn
 /// then, or not be saved in mid-episode.
 pub trait Simulated<const N: usize>: Env<N> + 'static {
     /// Starts an episode from a chosen layout and writes its first observation.
