@@ -14,17 +14,9 @@ use std::process::ExitCode;
 /// The program `rher`, or one that also knows tasks of its own.
 ///
 /// ```no_run
-/// # use rher_core::{Achieved, EnvError, EnvSpec, Start};
-/// # struct Line(EnvSpec<1>);
-/// # impl Line { fn new() -> Self { Self(EnvSpec::new("line", 1, 1, 20)) } }
-/// # impl rher_core::Env<1> for Line {
-/// #     fn spec(&self) -> &EnvSpec<1> { &self.0 }
-/// #     fn reset(&mut self, _: u64, _: &mut [f32]) -> Result<Start<1>, EnvError> { todo!() }
-/// #     fn step(&mut self, _: &[f32], _: &mut [f32]) -> Result<Achieved<1>, EnvError> { todo!() }
-/// # }
-/// # impl rher_envs::Simulated<1> for Line {}
+/// # use rher_envs::tasks::Push as Corner;
 /// fn main() -> std::process::ExitCode {
-///     rher_cli::Program::new().env(Line::new).main()
+///     rher_cli::Program::new().task::<Corner, 1>().main()
 /// }
 /// ```
 ///
