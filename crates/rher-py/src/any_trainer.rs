@@ -7,6 +7,7 @@ use rher_core::event::{Observer, Progress};
 use rher_core::policy::Policy;
 use rher_core::train::{Finish, Pretrained, TrainError, Trainer};
 use rher_envs::{EnvVisitor, Simulated};
+use rher_runs::{RunDir, RunFiles, RunFilesError};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -30,14 +31,15 @@ pub(crate) trait AnyTrainer: Send {
 
     fn progress(&self) -> Progress;
 
-    fn evaluations(&self) -> u64;
+    /// The files of its run, in a folder that was made for it or opened before it was resumed.
+    fn files(&self, folder: RunDir) -> Result<RunFiles, RunFilesError>;
 
     fn id(&self) -> RunId;
 
     fn policy(&self) -> &Policy;
 }
 
-impl<const N: usize, E: Env<N>> AnyTrainer for Trainer<N, E> {
+impl<const N: usize, E: Env<N> + 'static> AnyTrainer for Trainer<N, E> {
     fn run(
         &mut self,
         folder: &Path,
@@ -67,8 +69,8 @@ impl<const N: usize, E: Env<N>> AnyTrainer for Trainer<N, E> {
         Self::progress(self)
     }
 
-    fn evaluations(&self) -> u64 {
-        Self::evaluations(self)
+    fn files(&self, folder: RunDir) -> Result<RunFiles, RunFilesError> {
+        RunFiles::new(folder, self)
     }
 
     fn id(&self) -> RunId {

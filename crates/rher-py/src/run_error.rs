@@ -6,7 +6,7 @@ use rher_core::files::FileError as CoreFileError;
 use rher_core::policy::PolicyError as CorePolicyError;
 use rher_core::train::checkpoint::CheckpointError;
 use rher_core::train::{PretrainedError, TrainError as CoreTrainError};
-use rher_runs::{MetricsError, RunDirError, SettingsError as CoreSettingsError};
+use rher_runs::{RunDirError, RunFilesError, SettingsError as CoreSettingsError};
 
 pub(crate) fn from_settings(error: CoreSettingsError) -> PyErr {
     let text = told(&error);
@@ -34,11 +34,14 @@ pub(crate) fn from_run_dir(error: RunDirError) -> PyErr {
     }
 }
 
-pub(crate) fn from_write(error: &CoreFileError) -> PyErr {
-    FileError::new_err(told(error))
+pub(crate) fn from_files(error: RunFilesError) -> PyErr {
+    match error {
+        RunFilesError::Folder(error) => from_run_dir(error),
+        error => FileError::new_err(told(&error)),
+    }
 }
 
-pub(crate) fn from_metrics(error: &MetricsError) -> PyErr {
+pub(crate) fn from_write(error: &CoreFileError) -> PyErr {
     FileError::new_err(told(error))
 }
 

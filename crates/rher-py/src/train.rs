@@ -8,10 +8,10 @@ use crate::error::{
 use crate::foreign::{About, Foreign, Raised};
 use crate::policy::Policy;
 use crate::run_error::{
-    from_checkpoint, from_metrics, from_run_dir, from_settings, from_train, from_write,
+    from_checkpoint, from_files, from_run_dir, from_settings, from_train, from_write,
 };
 use crate::threads::allowed;
-use crate::watch::{Files, Told, Watch, watch};
+use crate::watch::{Beside, Told, Watch, watch};
 use pyo3::prelude::*;
 use pyo3::types::PyType;
 use rher_core::config::{EngineKind, Method, Precision, Preset, TrainConfig};
@@ -19,8 +19,8 @@ use rher_core::train::checkpoint::{self, CheckpointError};
 use rher_core::train::{Finish, TrainError as CoreTrainError};
 use rher_envs::{Options, Task};
 use rher_runs::{
-    Asked, CONFIG_FILE, ConfigFile, ConfigFileError, EventFile, MetricsFile, RunDir, Settings,
-    State, list, read_pretrained, settings,
+    Asked, CONFIG_FILE, ConfigFile, ConfigFileError, EventFile, RunDir, RunFiles, Settings, State,
+    list, read_pretrained, settings,
 };
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -75,10 +75,8 @@ type Sessions<'a> = MutexGuard<'a, Option<Session>>;
 struct Session {
     /// None if it is on an environment of the user's.
     task: Option<Task>,
-    options: Options,
     trainer: Box<dyn AnyTrainer>,
-    folder: RunDir,
-    metrics: MetricsFile,
+    files: RunFiles,
     raised: Raised,
 }
 
@@ -107,7 +105,7 @@ impl Trainer {
             let trainer = trainer.map_err(|error| SettingsError::new_err(told(&error)))?;
             let trainer = trainer.map_err(|error| from_train(&error, None))?;
             let folder = RunDir::create(&path).map_err(from_run_dir)?;
-            Self::begun(trainer, folder, Some(task), options, Raised::default())
+            Self::ready(trainer, folder, Some(task), Raised::default())
         })?
     }
 
@@ -133,7 +131,7 @@ impl Trainer {
             let start = new_run(config, from_run)?;
             let trainer = on_foreign(env, &about, start, workers, &raised)?;
             let folder = RunDir::create(&path).map_err(from_run_dir)?;
-            Self::begun(trainer, folder, None, Options::default(), raised)
+            Self::ready(trainer, folder, None, raised)
         })?
     }
 
@@ -154,9 +152,9 @@ impl Trainer {
             let config = checkpoint::read_config(folder.path()).map_err(checkpointed)?;
             let start = Start::Resumed(folder.path().to_owned(), changes);
             let raised = Raised::default();
-            let (trainer, task, options) = if let Some((env, about)) = foreign {
+            let (trainer, task) = if let Some((env, about)) = foreign {
                 let about = parse_about(&about)?;
-                (on_foreign(env, &about, start, workers, &raised)?, None, Options::default())
+                (on_foreign(env, &about, start, workers, &raised)?, None)
             } else {
                 let task: Task = config.task.parse().map_err(|_| {
                     InputError::new_err(format!(
@@ -169,12 +167,9 @@ impl Trainer {
                 let visitor = OfTask { start, envs: config.envs, workers };
                 let trainer = task.visit_with(&options, visitor);
                 let trainer = trainer.map_err(|error| SettingsError::new_err(told(&error)))?;
-                (trainer.map_err(|error| from_train(&error, None))?, Some(task), options)
+                (trainer.map_err(|error| from_train(&error, None))?, Some(task))
             };
-            let metrics =
-                MetricsFile::resume(&folder.metrics(), trainer.id(), trainer.evaluations())
-                    .map_err(|error| from_metrics(&error))?;
-            Self::ready(trainer, folder, task, options, raised, metrics)
+            Self::ready(trainer, folder, task, raised)
         })?
     }
 
@@ -212,7 +207,8 @@ impl Trainer {
             }
             session.trainer.set_until(until);
         }
-        session.write_settings()
+        let Session { trainer, files, .. } = session;
+        files.set_config(trainer.config()).map_err(from_run_dir)
     }
 
     /// Environment steps of training so far.
@@ -230,8 +226,8 @@ impl Trainer {
     /// Releases the folder; the trainer cannot be used any more.
     fn close(&self) -> PyResult<()> {
         match self.lock()?.take() {
-            Some(Session { folder, .. }) => {
-                folder.close().map_err(|error| FileError::new_err(told(&error)))
+            Some(Session { files, .. }) => {
+                files.close().map_err(|error| FileError::new_err(told(&error)))
             }
             None => Ok(()),
         }
@@ -256,12 +252,12 @@ impl Trainer {
         };
         let mut guard = self.lock()?;
         let session = open(&mut guard)?;
-        let files = unlocked(py, || session.files(record_every, tensorboard))??;
+        let beside = unlocked(py, || session.beside(record_every, tensorboard))??;
         let stop = AtomicBool::new(false);
         let (ran, watched) = unlocked(py, || {
             std::thread::scope(|scope| {
                 let (tell, told) = channel();
-                let training = scope.spawn(|| session.run(files, &stop, tell));
+                let training = scope.spawn(|| session.run(beside, &stop, tell));
                 let watched = watch(&told, &stop, end, on_event.as_ref());
                 (training.join(), watched)
             })
@@ -283,29 +279,15 @@ fn open<'a>(session: &'a mut Sessions<'_>) -> PyResult<&'a mut Session> {
 }
 
 impl Trainer {
-    fn begun(
-        trainer: Box<dyn AnyTrainer>,
-        folder: RunDir,
-        task: Option<Task>,
-        options: Options,
-        raised: Raised,
-    ) -> PyResult<Self> {
-        let metrics = MetricsFile::create(&folder.metrics(), trainer.id());
-        let metrics = metrics.map_err(|error| from_write(&error))?;
-        Self::ready(trainer, folder, task, options, raised, metrics)
-    }
-
     fn ready(
         trainer: Box<dyn AnyTrainer>,
         folder: RunDir,
         task: Option<Task>,
-        options: Options,
         raised: Raised,
-        metrics: MetricsFile,
     ) -> PyResult<Self> {
         let path = folder.path().to_owned();
-        let session = Session { task, options, trainer, folder, metrics, raised };
-        session.write_settings()?;
+        let files = trainer.files(folder).map_err(from_files)?;
+        let session = Session { task, trainer, files, raised };
         Ok(Self { folder: path, session: Mutex::new(Some(session)) })
     }
 
@@ -319,43 +301,34 @@ impl Trainer {
 }
 
 impl Session {
-    /// Every setting, as it is now.
-    fn settings(&self) -> Settings {
-        Settings { config: self.trainer.config().clone(), options: self.options.clone() }
-    }
-
-    fn write_settings(&self) -> PyResult<()> {
-        self.folder.write_config(&self.settings(), self.trainer.id()).map_err(from_run_dir)
-    }
-
     /// Trains; what was learned before an environment failed is saved.
-    fn run(&mut self, files: Files, stop: &AtomicBool, tell: Sender<Told>) -> PyResult<Finish> {
-        let Self { trainer, folder, metrics, raised, .. } = self;
-        let mut watch = Watch { folder, metrics, files, tell };
-        let ran = trainer.run(folder.path(), &mut watch, stop);
+    fn run(&mut self, beside: Beside, stop: &AtomicBool, tell: Sender<Told>) -> PyResult<Finish> {
+        let Self { trainer, files, raised, .. } = self;
+        let path = files.path().to_owned();
+        let mut watch = Watch { files, beside, tell };
+        let ran = trainer.run(&path, &mut watch, stop);
         watch.finish();
         let error = match ran {
             Ok(finish) => return Ok(finish),
             Err(error) => error,
         };
-        if let Err(gone) = folder.check() {
+        if let Err(gone) = files.folder().check() {
             return Err(from_run_dir(gone));
         }
         let raised = raised.lock().unwrap_or_else(PoisonError::into_inner).take();
         if matches!(error, CoreTrainError::Rollout { .. } | CoreTrainError::Evaluate { .. }) {
-            trainer.save(folder.path()).map_err(|error| from_train(&error, None))?;
+            trainer.save(&path).map_err(|error| from_train(&error, None))?;
         }
         Err(from_train(&error, raised))
     }
 
     /// The files that are written beside the metrics.
-    fn files(&mut self, record_every: Option<NonZeroU64>, tensorboard: bool) -> PyResult<Files> {
-        let settings = self.settings();
-        let Self { trainer, folder, task, .. } = self;
+    fn beside(&mut self, record_every: Option<NonZeroU64>, tensorboard: bool) -> PyResult<Beside> {
+        let Self { trainer, files, task, .. } = self;
+        let (folder, settings) = (files.path(), files.settings());
         let recorder = match (record_every, task) {
             (Some(every), Some(task)) => {
-                let (folder, run) = (folder.path(), trainer.id());
-                let recorded = Recorded { every, folder, run, settings: &settings };
+                let recorded = Recorded { every, folder, run: trainer.id(), settings };
                 let recorder = any_recorder::build(*task, recorded);
                 let recorder = recorder.map_err(|error| SettingsError::new_err(told(&error)))?;
                 Some(recorder.map_err(from_settings)?)
@@ -369,9 +342,9 @@ impl Session {
             (None, _) => None,
         };
         let started_at = trainer.progress().env_steps;
-        let events = tensorboard.then(|| EventFile::create(folder.path(), started_at));
+        let events = tensorboard.then(|| EventFile::create(folder, started_at));
         let events = events.transpose().map_err(|error| from_write(&error))?;
-        Ok(Files { recorder, events })
+        Ok(Beside { recorder, events })
     }
 }
 

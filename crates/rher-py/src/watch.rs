@@ -8,7 +8,7 @@ use pyo3::types::PyDict;
 use rher_core::event::{Event, Observer, ObserverError, Progress};
 use rher_core::files::FileError;
 use rher_record::RecorderError;
-use rher_runs::{EventFile, MetricsFile, RunDir};
+use rher_runs::{EventFile, RunFiles};
 use std::ffi::CString;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender};
@@ -24,7 +24,7 @@ pub(crate) enum Told {
 }
 
 /// Files that are written beside the metrics.
-pub(crate) struct Files {
+pub(crate) struct Beside {
     pub(crate) recorder: Option<Box<dyn AnyRecorder>>,
     /// For `TensorBoard`.
     pub(crate) events: Option<EventFile>,
@@ -32,16 +32,15 @@ pub(crate) struct Files {
 
 /// Writes down what happens, and tells Python of it.
 pub(crate) struct Watch<'a> {
-    pub(crate) folder: &'a RunDir,
-    pub(crate) metrics: &'a mut MetricsFile,
-    pub(crate) files: Files,
+    pub(crate) files: &'a mut RunFiles,
+    pub(crate) beside: Beside,
     pub(crate) tell: Sender<Told>,
 }
 
 impl Watch<'_> {
     /// Gives the recording its name.
     pub(crate) fn finish(&mut self) {
-        let Some(recorder) = self.files.recorder.take() else { return };
+        let Some(recorder) = self.beside.recorder.take() else { return };
         if let Err(error) = recorder.finish() {
             self.warn(format!(
                 "the recording is not finished: {}; its whole episodes can still be read",
@@ -57,7 +56,7 @@ impl Watch<'_> {
 
     /// Training is worth more than its recording.
     fn go_without_recording(&mut self, error: &FileError) {
-        let kept = self.files.recorder.take().and_then(AnyRecorder::stop);
+        let kept = self.beside.recorder.take().and_then(AnyRecorder::stop);
         let kept = kept.map(|path| format!("; the episodes before are in `{}`", path.display()));
         self.warn(format!(
             "recording has stopped, training continues: {}{}",
@@ -71,12 +70,11 @@ impl Observer for Watch<'_> {
     fn on(&mut self, event: &Event) -> Result<(), ObserverError> {
         match event {
             Event::Evaluated(line) => {
-                self.folder.check().map_err(|error| ObserverError(error.into()))?;
-                self.metrics.append(line).map_err(|error| ObserverError(error.into()))?;
-                if let Some(events) = &mut self.files.events
+                self.files.on(event)?;
+                if let Some(events) = &mut self.beside.events
                     && let Err(error) = events.append(line)
                 {
-                    self.files.events = None;
+                    self.beside.events = None;
                     self.warn(format!(
                         "event files have stopped, training continues: {}",
                         told(&error)
@@ -84,11 +82,9 @@ impl Observer for Watch<'_> {
                 }
             }
             // Python hears of what is saved, not of what is about to be.
-            Event::Saving => {
-                return self.folder.check().map_err(|error| ObserverError(error.into()));
-            }
+            Event::Saving => return self.files.on(event),
             Event::Explored(script) => {
-                if let Some(recorder) = &mut self.files.recorder
+                if let Some(recorder) = &mut self.beside.recorder
                     && recorder.wants(script.number)
                 {
                     match recorder.record(script) {
@@ -106,7 +102,7 @@ impl Observer for Watch<'_> {
     }
 
     fn wants(&self, episode: u64) -> bool {
-        self.files.recorder.as_ref().is_some_and(|recorder| recorder.wants(episode))
+        self.beside.recorder.as_ref().is_some_and(|recorder| recorder.wants(episode))
     }
 }
 

@@ -3,10 +3,11 @@
 use crate::folder::{RunDir, RunDirError};
 use crate::metrics::{MetricsError, MetricsFile};
 use crate::settings::Settings;
-use rher_core::Env;
+use rher_core::config::TrainConfig;
 use rher_core::event::{Event, Observer, ObserverError};
 use rher_core::files::FileError;
 use rher_core::train::Trainer;
+use rher_core::{Env, RunId};
 use rher_envs::Options;
 use std::path::Path;
 
@@ -28,6 +29,7 @@ use std::path::Path;
 #[derive(Debug)]
 pub struct RunFiles {
     folder: RunDir,
+    run: RunId,
     settings: Settings,
     metrics: MetricsFile,
 }
@@ -52,7 +54,17 @@ impl RunFiles {
             count => MetricsFile::resume(&folder.metrics(), trainer.id(), count)?,
         };
         folder.write_config(&settings, trainer.id())?;
-        Ok(Self { folder, settings, metrics })
+        Ok(Self { folder, run: trainer.id(), settings, metrics })
+    }
+
+    /// Writes the settings once more, after what ends the run was changed.
+    ///
+    /// # Errors
+    ///
+    /// If the file system refuses.
+    pub fn set_config(&mut self, config: &TrainConfig) -> Result<(), RunDirError> {
+        self.settings.config = config.clone();
+        self.folder.write_config(&self.settings, self.run)
     }
 
     /// The folder.
