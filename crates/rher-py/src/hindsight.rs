@@ -1,4 +1,4 @@
-//! What `tools/compare.py` measures: the drawing of relabeled samples.
+//! What `python -m rher.compare` measures: the drawing of relabeled samples.
 
 use crate::error::{InputError, InternalError, told, unlocked};
 use crate::made::parse;

@@ -1,7 +1,7 @@
 """The comparison, shortened: that it runs, what it writes, and its bars at a distance."""
 
-import importlib.util
 import json
+import subprocess
 import sys
 from pathlib import Path
 
@@ -11,26 +11,28 @@ pytest.importorskip("gymnasium_robotics")
 pytest.importorskip("stable_baselines3")
 
 from rher import _rher  # noqa: E402
+from rher.compare import command  # noqa: E402
 
 DATA = Path(__file__).parent / "data"
 
-# A tool beside the package, not a part of it.
-TOOL = Path(__file__).parents[1] / "tools/compare.py"
-spec = importlib.util.spec_from_file_location("compare", TOOL)
-compare = importlib.util.module_from_spec(spec)
-sys.modules["compare"] = compare
-spec.loader.exec_module(compare)
-
 
 def measured(out, *arguments):
-    compare.main(["--quick", "--out", str(out), *arguments])
+    command.main(["--quick", "--out", str(out), *arguments])
     table = (out / "compare.md").read_text()
     assert "no results" in table
     return json.loads((out / "compare.json").read_text()), table
 
 
-def test_the_tool_is_not_part_of_the_package():
-    assert importlib.util.find_spec("rher.compare") is None
+def test_the_package_does_not_import_it():
+    loaded = "import sys, rher; print([name for name in sys.modules if 'compare' in name])"
+    said = subprocess.run([sys.executable, "-c", loaded], capture_output=True, text=True)
+    assert said.stdout.strip() == "[]", said.stdout + said.stderr
+
+
+def test_it_is_run_as_a_module():
+    command = [sys.executable, "-m", "rher.compare", "--help"]
+    said = subprocess.run(command, capture_output=True, text=True)
+    assert said.returncode == 0 and "python -m rher.compare" in said.stdout, said.stderr
 
 
 @pytest.mark.skipif(not hasattr(_rher, "Hindsight"), reason="built without the feature `measure`")
