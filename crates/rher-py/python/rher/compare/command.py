@@ -8,7 +8,7 @@ import warnings
 from pathlib import Path
 
 import rher.compare
-from rher.compare import learning, machine, relabeling, single, transfer, vector
+from rher.compare import blocks, learning, machine, relabeling, single, transfer, vector
 from rher.compare.part import Measured, Part
 
 PARTS: dict[str, Part] = {
@@ -16,6 +16,7 @@ PARTS: dict[str, Part] = {
     "vector": vector.PART,
     "relabeling": relabeling.PART,
     "transfer": transfer.PART,
+    "blocks": blocks.PART,
     "learning": learning.PART,
 }
 

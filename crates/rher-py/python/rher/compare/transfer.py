@@ -18,7 +18,9 @@ def add_arguments(parser: ArgumentParser) -> None:
             f"--fetch-{task}", type=Path, nargs="+", default=[], metavar="POLICY",
             help=f"policies trained in {fetch}, for the other way",
         )
-    parser.add_argument("--episodes", type=int, default=200, help="of `transfer`, for each policy")
+    parser.add_argument(
+        "--episodes", type=int, default=200, help="of `transfer` and `blocks`, for each policy"
+    )
 
 
 def measure(args: Namespace) -> Measured:
