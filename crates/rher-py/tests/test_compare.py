@@ -61,3 +61,18 @@ def test_learners_are_timed_and_stopped(out):
     runs = results["learning"]["runs"]
     assert all(run["spent_s"] < 60 for run in runs.values())
     assert table.count("not reached") == 2
+
+
+def test_tasks_of_other_packages_are_trained_and_judged(out):
+    arguments = ["--parts", "foreign", "--tasks", "FetchPush-v4", "--seeds", "3"]
+    results, table = measured(out, *arguments)
+    (run,) = results["foreign"]["runs"]
+    assert (run["task"], run["seed"], run["judged"]["episodes"]) == ("FetchPush-v4", 3, 2)
+    assert run["env_steps"] > 0 and run["cpu_s"] > 0
+    assert "| FetchPush-v4 | rher | 3 |" in table
+    kept = out / "FetchPush-v4-rher-seed3"
+    assert (kept / "run/metrics.jsonl").exists() and (kept / "run/config.toml").exists()
+    # What is finished is read, not measured again.
+    before = (kept / "result.json").read_bytes()
+    again, _ = measured(out, *arguments)
+    assert again["foreign"]["runs"] == [run] and (kept / "result.json").read_bytes() == before

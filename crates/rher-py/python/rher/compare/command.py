@@ -8,7 +8,7 @@ import warnings
 from pathlib import Path
 
 import rher.compare
-from rher.compare import blocks, learning, machine, relabeling, single, transfer, vector
+from rher.compare import blocks, foreign, learning, machine, relabeling, single, transfer, vector
 from rher.compare.part import Measured, Part
 
 PARTS: dict[str, Part] = {
@@ -18,6 +18,7 @@ PARTS: dict[str, Part] = {
     "transfer": transfer.PART,
     "blocks": blocks.PART,
     "learning": learning.PART,
+    "foreign": foreign.PART,
 }
 
 

@@ -7,7 +7,16 @@ from pathlib import Path
 
 from rher.compare.part import Measured
 
-PACKAGES = ("rher", "gymnasium", "gymnasium-robotics", "mujoco", "stable-baselines3", "torch")
+PACKAGES = (
+    "rher",
+    "gymnasium",
+    "gymnasium-robotics",
+    "mujoco",
+    "panda-gym",
+    "stable-baselines3",
+    "sb3-contrib",
+    "torch",
+)
 
 
 def machine() -> Measured:
@@ -23,7 +32,7 @@ def machine() -> Measured:
         "cores": os.cpu_count(),
         "load": os.getloadavg()[0],
         "python": platform.python_version(),
-        "packages": {name: _version(name) for name in PACKAGES},
+        "packages": {name: found for name in PACKAGES if (found := _version(name)) is not None},
     }
 
 

@@ -1,0 +1,61 @@
+"""The tasks of other packages that `foreign` trains: one row each."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+#: A simulator that makes hundreds of steps per CPU-second: evaluations are shorter and rarer, and
+#: updates more than steps.
+_DEAR = {
+    "evaluation.every_episodes": 100,
+    "evaluation.episodes": 50,
+    "evaluation.subtask_episodes": 10,
+}
+
+#: What the zoo of Stable-Baselines3 trains panda-gym with, for TQC.
+_ZOO_PANDA = {
+    "batch_size": 2048,
+    "buffer_size": 1_000_000,
+    "gamma": 0.95,
+    "learning_rate": 1e-3,
+    "tau": 0.05,
+    "policy_kwargs": {"net_arch": [512, 512, 512], "n_critics": 2},
+    "replay_buffer_kwargs": {"goal_selection_strategy": "future", "n_sampled_goal": 4},
+}
+
+
+@dataclass(frozen=True)
+class Task:
+    """How a task is made, what the agent has to know about it, and how it is trained."""
+
+    #: Module that registers it with Gymnasium.
+    package: str
+    #: Budget in environment steps.
+    env_steps: int
+    #: Share of unseen episodes that it should solve; none where nobody has set one.
+    aim: float | None
+    #: Arguments of ``gymnasium.make``.
+    make: dict[str, Any] = field(default_factory=dict)
+    objects: int = 1
+    #: Where in an observation the position of the gripper begins and ends.
+    gripper: tuple[int, int] = (0, 3)
+    #: Distance in meters within which each object counts as placed in training.
+    tolerance: float = 0.05
+    #: Settings of ``rher.Trainer``.
+    settings: dict[str, Any] = field(default_factory=dict)
+    #: What ``info`` calls success.
+    success: str = "is_success"
+    #: Settings of the zoo, where Stable-Baselines3 is trained beside ours.
+    zoo: dict[str, Any] | None = None
+
+
+TASKS: dict[str, Task] = {
+    # An object counts as placed within 3.5 cm, since a cube beside another one is 4 cm below.
+    "PandaStack-v3": Task(
+        "panda_gym", 300_000, 0.95, objects=2, tolerance=0.035, settings=_DEAR, zoo=_ZOO_PANDA
+    ),
+    "PandaPush-v3": Task("panda_gym", 150_000, 0.95, settings=_DEAR),
+    "PandaPickAndPlace-v3": Task("panda_gym", 150_000, 0.95, settings=_DEAR),
+    "FetchPush-v4": Task("gymnasium_robotics", 100_000, 0.97),
+    "FetchPickAndPlace-v4": Task("gymnasium_robotics", 150_000, 0.97),
+    "FetchSlide-v4": Task("gymnasium_robotics", 300_000, 0.70),
+}
