@@ -157,8 +157,41 @@ fn is_unsupported(error: &io::Error) -> bool {
     matches!(error.kind(), io::ErrorKind::Unsupported | io::ErrorKind::InvalidInput)
 }
 
-/// Makes the renames in a folder durable.
+/// Whether `file` is what `path` names now.
+///
+/// # Errors
+///
+/// Those of the operating system, except that a `path` which names nothing is an answer.
+pub fn is_at(path: &Path, file: &File) -> io::Result<bool> {
+    match same_file(path, file) {
+        Err(error) if is_absent(&error) => Ok(false),
+        answer => answer,
+    }
+}
+
+#[cfg(unix)]
+fn same_file(path: &Path, file: &File) -> io::Result<bool> {
+    use std::os::unix::fs::MetadataExt as _;
+    let (there, held) = (std::fs::metadata(path)?, file.metadata()?);
+    Ok((there.dev(), there.ino()) == (held.dev(), held.ino()))
+}
+
+#[cfg(not(unix))]
+fn same_file(path: &Path, file: &File) -> io::Result<bool> {
+    use same_file::Handle;
+    Ok(Handle::from_path(path)? == Handle::from_file(file.try_clone()?)?)
+}
+
+/// Whether a path names nothing: it is not there, or something on the way to it is no folder.
+pub fn is_absent(error: &io::Error) -> bool {
+    matches!(error.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory)
+}
+
+/// Makes the renames in a folder durable. Windows cannot open a folder for that.
 pub(crate) fn sync_folder(folder: &Path) -> Result<(), FileError> {
+    if cfg!(windows) {
+        return Ok(());
+    }
     File::open(folder).and_then(|folder| sync(&folder)).map_err(FileError::write(folder))
 }
 

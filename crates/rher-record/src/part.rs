@@ -1,6 +1,7 @@
 //! Temporary names: what is written has one of its own until it is whole.
 
-use std::fs::{File, Metadata, TryLockError};
+use rher_core::files::is_at;
+use std::fs::{File, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -80,24 +81,4 @@ fn claim(
             || !is_at(path, file).unwrap_or(false)
     });
     if taken { Err(io::ErrorKind::AlreadyExists.into()) } else { Ok(made) }
-}
-
-/// Whether `file` is what `path` names.
-fn is_at(path: &Path, file: &File) -> io::Result<bool> {
-    match std::fs::metadata(path) {
-        Ok(named) => Ok(same(&named, &file.metadata()?)),
-        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(false),
-        Err(error) => Err(error),
-    }
-}
-
-#[cfg(unix)]
-fn same(a: &Metadata, b: &Metadata) -> bool {
-    use std::os::unix::fs::MetadataExt as _;
-    (a.dev(), a.ino()) == (b.dev(), b.ino())
-}
-
-#[cfg(not(unix))]
-fn same(_: &Metadata, _: &Metadata) -> bool {
-    true
 }

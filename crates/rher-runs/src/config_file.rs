@@ -2,8 +2,7 @@
 
 use crate::settings::{self, Settings, SettingsError};
 use rher_core::RunId;
-use rher_core::files::{self, FileError};
-use std::io;
+use rher_core::files::{self, FileError, is_absent};
 use std::path::{Path, PathBuf};
 use toml::Table;
 
@@ -92,10 +91,6 @@ impl ConfigFile {
     pub fn into_table(self) -> Table {
         self.table
     }
-}
-
-pub(crate) fn is_absent(error: &io::Error) -> bool {
-    matches!(error.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory)
 }
 
 /// The run that the first line names, if it does; the other lines must be those that were written.

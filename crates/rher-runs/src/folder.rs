@@ -8,10 +8,8 @@ use rher_core::RunId;
 use rher_core::config::TrainConfig;
 use rher_core::files::{self, FileError};
 use rher_core::train::checkpoint::{self, CHECKPOINT_FOLDER, CheckpointError, POLICY_FILE};
-use rustix::io::Errno;
-use std::fs::{File, Metadata, TryLockError};
+use std::fs::{File, TryLockError};
 use std::io;
-use std::os::unix::fs::MetadataExt as _;
 use std::path::{Path, PathBuf};
 use std::process;
 
@@ -99,14 +97,7 @@ impl RunDir {
     /// If it was moved, deleted or replaced since it was opened.
     pub fn check(&self) -> Result<(), RunDirError> {
         let lock_path = self.path.join(LOCK_FILE);
-        let there = match std::fs::metadata(&lock_path) {
-            Ok(there) => Some(there),
-            Err(error) if config_file::is_absent(&error) => None,
-            Err(error) => return Err(FileError::read(&lock_path)(error).into()),
-        };
-        let held = self.lock.metadata().map_err(FileError::read(&lock_path))?;
-        let file = |file: &Metadata| (file.dev(), file.ino());
-        if there.is_some_and(|there| file(&there) == file(&held)) {
+        if files::is_at(&lock_path, &self.lock).map_err(FileError::read(&lock_path))? {
             Ok(())
         } else {
             Err(RunDirError::Gone { path: self.path.clone() })
@@ -149,8 +140,11 @@ impl RunDir {
 
 /// Whether a lock was refused because the file system, or the network behind it, has none.
 fn has_no_locks(error: &io::Error) -> bool {
-    error.kind() == io::ErrorKind::Unsupported
-        || error.raw_os_error() == Some(Errno::NOLCK.raw_os_error())
+    #[cfg(unix)]
+    let says_so = error.raw_os_error() == Some(rustix::io::Errno::NOLCK.raw_os_error());
+    #[cfg(not(unix))]
+    let says_so = false;
+    says_so || error.kind() == io::ErrorKind::Unsupported
 }
 
 /// Whether a process trains in this folder; never, where the file system has no locks.

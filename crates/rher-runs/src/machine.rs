@@ -1,7 +1,6 @@
 //! What a run is made with: the program and the machine.
 
-use crate::config_file::is_absent;
-use rher_core::files::{self, FileError};
+use rher_core::files::{self, FileError, is_absent};
 use serde::{Deserialize, Serialize};
 use std::num::NonZeroUsize;
 use std::path::Path;

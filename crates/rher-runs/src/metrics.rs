@@ -3,10 +3,9 @@
 //! The last two values of a line are the run that it is of and the CRC-32 of what stands before it,
 //! so that a changed line is noticed. Earlier versions wrote neither.
 
-use crate::config_file::is_absent;
 use rher_core::RunId;
 use rher_core::event::Metrics;
-use rher_core::files::{self, FileError};
+use rher_core::files::{self, FileError, is_absent};
 use serde::Deserialize;
 use serde_json::{Map, Value};
 use std::fs::{File, OpenOptions};

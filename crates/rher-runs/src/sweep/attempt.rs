@@ -4,8 +4,7 @@
 //! number counts. Its lines are a [`Worker`], a [`Beat`], and at the end an [`End`].
 
 use super::plan::PlanId;
-use crate::config_file::is_absent;
-use rher_core::files::{self, FileError};
+use rher_core::files::{self, FileError, is_absent};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::fs::{File, TryLockError};

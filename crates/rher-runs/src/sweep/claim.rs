@@ -12,8 +12,7 @@ use super::plan::PlanId;
 use super::unnamed::{Unnamed, is_unnamed, remove_where};
 use rher_core::files::FileError;
 use std::fs::{File, OpenOptions};
-use std::io::Write as _;
-use std::os::unix::fs::FileExt as _;
+use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
@@ -137,7 +136,7 @@ impl Pulse {
             // Closed each time, because only then other machines see what was written. A count that
             // cannot be written is like one that comes late.
             let file = OpenOptions::new().write(true).open(path);
-            let _ = file.and_then(|file| file.write_all_at(beat_line(&beat).as_bytes(), at));
+            let _ = file.and_then(|file| write_at(&file, beat_line(&beat).as_bytes(), at));
             if is_last {
                 return;
             }
@@ -285,6 +284,18 @@ impl Drop for Claim {
     }
 }
 
+#[cfg(unix)]
+fn write_at(file: &File, bytes: &[u8], at: u64) -> io::Result<()> {
+    std::os::unix::fs::FileExt::write_all_at(file, bytes, at)
+}
+
+#[cfg(not(unix))]
+fn write_at(mut file: &File, bytes: &[u8], at: u64) -> io::Result<()> {
+    use std::io::Seek as _;
+    file.seek(io::SeekFrom::Start(at))?;
+    file.write_all(bytes)
+}
+
 /// How the names of files begin that are no attempts yet.
 const UNFINISHED: &str = ".worker-";
 
@@ -426,7 +437,7 @@ mod tests {
                     thread::sleep(SHORT / 4);
                     let line = beat_line(&Beat { beat, ..Beat::default() });
                     let file = OpenOptions::new().write(true).open(&path).unwrap();
-                    file.write_all_at(line.as_bytes(), at as u64).unwrap();
+                    write_at(&file, line.as_bytes(), at as u64).unwrap();
                 }
             });
             assert!(matches!(take(folder.path()), Err(ClaimError::Busy { .. })));

@@ -1,11 +1,9 @@
 //! Files that get their name when they are whole, by a hard link: of several processes, on whatever
 //! machines, one makes the file.
 
-use crate::config_file::is_absent;
-use rher_core::files::FileError;
+use rher_core::files::{FileError, is_absent};
 use std::fs::File;
 use std::io;
-use std::os::unix::fs::MetadataExt as _;
 use std::path::{Path, PathBuf};
 
 /// A file that does not have its name yet.
@@ -33,7 +31,7 @@ impl Unnamed {
     pub(super) fn name(self, path: &Path) -> Result<Option<File>, FileError> {
         let linked = std::fs::hard_link(&self.path, path);
         // Some network file systems say that the name is there when it is this very file.
-        let is_ours = linked.is_ok() || self.file.metadata().is_ok_and(|file| file.nlink() > 1);
+        let is_ours = linked.is_ok() || has_two_names(&self.file);
         // The process that was faster may have removed it.
         let _ = std::fs::remove_file(&self.path);
         match linked {
@@ -44,6 +42,17 @@ impl Unnamed {
             _ => Ok(None),
         }
     }
+}
+
+#[cfg(unix)]
+fn has_two_names(file: &File) -> bool {
+    use std::os::unix::fs::MetadataExt as _;
+    file.metadata().is_ok_and(|file| file.nlink() > 1)
+}
+
+#[cfg(not(unix))]
+fn has_two_names(_: &File) -> bool {
+    false
 }
 
 /// Whether a file of this name is an [`Unnamed`] one whose name begins with `start`.
