@@ -1,9 +1,7 @@
 //! Processes that this one starts: they get its signals, and none is started after one.
 
-use crate::host::on_signals;
-use rustix::process::{Pid, Signal, kill_process};
+use crate::host::{on_signals, own_group, pass_on};
 use std::io;
-use std::os::unix::process::CommandExt as _;
 use std::process::{Child, Command, ExitStatus};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -13,7 +11,8 @@ pub(crate) struct Children(Arc<Mutex<State>>);
 
 #[derive(Debug, Default)]
 struct State {
-    running: Vec<Pid>,
+    /// Their numbers.
+    running: Vec<u32>,
     /// The first signal that asked this process to end.
     signal: Option<i32>,
 }
@@ -26,12 +25,7 @@ impl Children {
         on_signals(move |signal| {
             let mut state = passing_on.lock();
             state.signal.get_or_insert(signal);
-            for &pid in &state.running {
-                if let Some(signal) = Signal::from_named_raw(signal) {
-                    // It may have ended just now.
-                    let _ = kill_process(pid, signal);
-                }
-            }
+            state.running.iter().for_each(|&process| pass_on(signal, process));
         })?;
         Ok(children)
     }
@@ -50,24 +44,20 @@ impl Children {
         if state.signal.is_some() {
             return Ok(None);
         }
-        let child = command.process_group(0).spawn()?;
-        state.running.extend(pid(&child));
+        own_group(command);
+        let child = command.spawn()?;
+        state.running.push(child.id());
         Ok(Some(child))
     }
 
     /// Waits for the end of a process.
     pub(crate) fn wait(&self, mut child: Child) -> io::Result<ExitStatus> {
         let status = child.wait();
-        let ended = pid(&child);
-        self.lock().running.retain(|running| Some(*running) != ended);
+        self.lock().running.retain(|running| *running != child.id());
         status
     }
 
     fn lock(&self) -> MutexGuard<'_, State> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
-}
-
-fn pid(child: &Child) -> Option<Pid> {
-    Pid::from_raw(child.id().cast_signed())
 }

@@ -1,8 +1,7 @@
 //! What the exit status of `rher` means: a promise to scripts.
 
-use signal_hook::consts::{SIGHUP, SIGTERM, SIGUSR1};
+use crate::host::{SIGHUP, SIGTERM, SIGUSR1, signal_of};
 use std::fmt::Write as _;
-use std::os::unix::process::ExitStatusExt as _;
 use std::process::ExitStatus;
 
 /// How a run of the program ended.
@@ -116,7 +115,7 @@ impl Status {
     pub(crate) fn of_interrupted(status: ExitStatus) -> Option<Self> {
         const AFTER_SAVING: [Status; 3] = [Status::HungUp, Status::Interrupted, Status::Terminated];
         let same = |known: &Self| status.code() == Some(*known as i32);
-        let killed = || status.signal().map(Self::of_signal);
+        let killed = || signal_of(status).map(Self::of_signal);
         AFTER_SAVING.into_iter().find(same).or_else(killed)
     }
 

@@ -2,9 +2,6 @@
 
 use crate::exit_code::Status;
 use anyhow::Context as _;
-use rustix::process::{Pid, getppid};
-use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGUSR1};
-use signal_hook::iterator::Signals;
 use std::ffi::OsString;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
@@ -13,6 +10,14 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
 use std::thread;
 use std::time::Duration;
+
+#[cfg_attr(unix, path = "host/unix.rs")]
+#[cfg_attr(not(unix), path = "host/other.rs")]
+mod system;
+
+pub(crate) use system::{
+    SIGHUP, SIGINT, SIGTERM, SIGUSR1, end_with_parent, on_signals, own_group, pass_on, signal_of,
+};
 
 /// How long a program that was asked to end by another signal than Ctrl-C may take: whoever sends
 /// them kills it soon after.
@@ -54,37 +59,6 @@ impl Again {
         command.args(&self.arguments);
         command
     }
-}
-
-/// Asks the system to end this process by SIGTERM when the process `parent` ends; whether `parent`
-/// still runs.
-pub(crate) fn end_with_parent(parent: u32) -> bool {
-    // Where it fails, as in a sandbox, the parent can still pass signals on.
-    #[cfg(target_os = "linux")]
-    let _ = rustix::process::set_parent_process_death_signal(Some(rustix::process::Signal::TERM));
-    getppid().map(Pid::as_raw_pid).is_some_and(|pid| u32::try_from(pid) == Ok(parent))
-}
-
-/// Calls `act` in a thread of its own for every signal that asks the program to end.
-///
-/// A signal that is ignored stays ignored: `nohup` ignores SIGHUP, and shells ignore SIGINT for the
-/// background jobs of scripts.
-pub(crate) fn on_signals(mut act: impl FnMut(i32) + Send + 'static) -> anyhow::Result<()> {
-    const CANNOT: &str = "cannot listen to signals";
-    let ignored = ignored();
-    let heard = [SIGHUP, SIGINT, SIGTERM, SIGUSR1].into_iter();
-    let heard = heard.filter(|signal| ignored >> (signal - 1) & 1 == 0);
-    let mut signals = Signals::new(heard).context(CANNOT)?;
-    let listen = move || signals.forever().for_each(&mut act);
-    thread::Builder::new().name("signals".to_owned()).spawn(listen).context(CANNOT)?;
-    Ok(())
-}
-
-/// The signals that are ignored, as Linux reports them: bit 0 is signal 1.
-fn ignored() -> u64 {
-    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
-    mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).unwrap_or(0)
 }
 
 /// Whether the program was asked to end, and by which signal.

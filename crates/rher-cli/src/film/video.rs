@@ -1,12 +1,11 @@
 //! Films in the formats of video players: `ffmpeg` encodes what is piped into it.
 
 use super::options::PictureSize;
+use crate::host::own_group;
 use rher_core::files::FileError;
 use rher_envs::render::Image;
-use std::fs::{File, Permissions};
+use std::fs::File;
 use std::io::{self, Read as _, Seek as _, Write as _};
-use std::os::unix::fs::PermissionsExt as _;
-use std::os::unix::process::CommandExt as _;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use tempfile::NamedTempFile;
@@ -35,6 +34,15 @@ pub(crate) enum VideoError {
     Encoder { path: PathBuf, said: String },
 }
 
+/// A temporary file that is readable by whom the user's mask allows, as other files are.
+fn new_file() -> tempfile::Builder<'static, 'static> {
+    #[cfg_attr(not(unix), expect(unused_mut, reason = "other systems have no such modes"))]
+    let mut new = tempfile::Builder::new();
+    #[cfg(unix)]
+    new.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    new
+}
+
 /// A process that ends with its owner.
 struct Encoder(Child);
 
@@ -54,11 +62,9 @@ impl Video {
         PictureSize([width, height]): PictureSize,
     ) -> anyhow::Result<Self> {
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-        // Readable by whom the user's mask allows, as other files are.
-        let part = tempfile::Builder::new()
+        let part = new_file()
             .prefix(".rher-")
             .suffix(".new")
-            .permissions(Permissions::from_mode(0o666))
             .tempfile_in(folder.unwrap_or(Path::new(".")))
             .map_err(FileError::write(path))?;
         let said = tempfile::tempfile().map_err(FileError::write(path))?;
@@ -74,9 +80,9 @@ impl Video {
             .arg(part.path())
             .stdin(Stdio::piped())
             .stdout(Stdio::null())
-            .stderr(said.try_clone().map_err(FileError::write(path))?)
-            // Ctrl-C asks for the end of the episode, and not for that of the encoder.
-            .process_group(0);
+            .stderr(said.try_clone().map_err(FileError::write(path))?);
+        // Ctrl-C asks for the end of the episode, and not for that of the encoder.
+        own_group(&mut command);
         let path = path.to_owned();
         let encoder = match command.spawn() {
             Ok(child) => Encoder(child),

@@ -7,11 +7,11 @@ use crate::numbers::thousands;
 use crate::printer::Printer;
 use crate::tables::{table, text};
 use anyhow::Context as _;
+use cpu_time::ThreadTime;
 use rand::RngExt as _;
 use rher_core::env::Env;
 use rher_core::seed::{Purpose, Seed};
 use rher_envs::{AutoReset, EnvVisitor, Pool, SUBSTEPS, Simulated, Task};
-use rustix::time::{ClockId, clock_gettime};
 use serde::Serialize;
 use std::process::Stdio;
 use std::time::{Duration, Instant};
@@ -202,7 +202,7 @@ impl EnvVisitor for Together {
     }
 }
 
-/// Where CPU time went.
+/// Where the CPU time of this thread went, which is the only one that an environment uses.
 #[derive(Default)]
 struct Spent {
     resets: u64,
@@ -220,22 +220,16 @@ fn play<const N: usize>(env: &mut impl Env<N>, least: Duration) -> anyhow::Resul
     while spent.resetting + spent.stepping < least {
         let mut rng = Seed(0).stream(Purpose::Exploration, spent.resets);
         actions.fill_with(|| rng.random_range(-1.0..=1.0));
-        let started = cpu_time();
+        let started = ThreadTime::now();
         env.reset(spent.resets, &mut observation)?;
-        let ready = cpu_time();
+        spent.resetting += started.elapsed();
+        let ready = ThreadTime::now();
         for action in actions.chunks_exact(spec.action_dim) {
             env.step(action, &mut observation)?;
             spent.steps += 1;
         }
-        spent.stepping += cpu_time().saturating_sub(ready);
-        spent.resetting += ready.saturating_sub(started);
+        spent.stepping += ready.elapsed();
         spent.resets += 1;
     }
     Ok(spent)
-}
-
-/// CPU time of this thread, which is the only one that an environment uses.
-fn cpu_time() -> Duration {
-    let time = clock_gettime(ClockId::ThreadCPUTime);
-    Duration::new(time.tv_sec.cast_unsigned(), time.tv_nsec as u32)
 }
