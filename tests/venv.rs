@@ -18,7 +18,7 @@ pub(crate) struct Venv {
 }
 
 /// The one that all tests with Python share.
-const SHARED: Venv = Venv {
+pub(crate) const SHARED: Venv = Venv {
     folder: "python",
     interpreter: "python3",
     requirements: include_str!("requirements.txt"),

@@ -7,33 +7,75 @@ mod venv;
 
 use std::ffi::OsString;
 use std::io::{self, Write as _};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::OnceLock;
+use venv::Venv;
+
+/// What the package depends on.
+const BARE: &str = "gymnasium==1.4.0\nnumpy==2.4.0\n";
 
 #[test]
 #[cfg_attr(not(python3), ignore = "there is no `python3` from 3.10 on with `venv`")]
 fn pytest_passes() {
-    let package = Path::new(env!("CARGO_MANIFEST_DIR")).join("../rher-py");
-    let package = package.canonicalize().unwrap();
     let python = venv::python().unwrap();
-    // What a user types, but with the build tools that are there already.
     let pip = ["-m", "pip", "install", "--quiet", "--force-reinstall", "--no-deps"];
-    let mut install = Command::new(python);
-    install.args(pip).arg("--no-build-isolation").arg(&package).env("PATH", path(python));
-    // The comparison is tested, too.
-    install.arg("--config-settings=build-args=--features measure");
-    run(&mut install);
+    run(Command::new(python).args(pip).arg(wheel()));
     let report = run(Command::new(python)
         .args(["-m", "pytest", "--quiet", "-rs", "-p", "no:cacheprovider", "--durations=5"])
         // On a shared machine PyTorch's threads wait for each other most of the time.
         .env("OMP_NUM_THREADS", "1")
         .env("RHER", env!("CARGO_BIN_EXE_rher"))
-        .current_dir(&package));
+        .current_dir(package()));
     assert!(report.contains(" passed"), "pytest ran nothing:\n{report}");
     for skipped in report.lines().filter(|line| line.starts_with("SKIPPED")) {
         // Past the harness, which keeps what passing tests print.
         let _ = writeln!(io::stderr(), "{skipped}");
     }
+}
+
+/// What a user has who installs the wheel and nothing else, without Rust.
+#[test]
+#[cfg_attr(not(python3), ignore = "there is no `python3` from 3.10 on with `venv`")]
+fn the_wheel_is_all_that_a_user_needs() {
+    let bare = Venv { folder: "bare", requirements: BARE, no_deps: "", ..venv::SHARED };
+    let python = bare.python().unwrap();
+    let pip = ["-m", "pip", "install", "--quiet", "--force-reinstall", "--no-deps"];
+    run(Command::new(&python).args(pip).arg(wheel()));
+    run(Command::new(&python).args(["-m", "pip", "check"]));
+    let folder = tempfile::tempdir().unwrap();
+    // Neither `cargo` nor anything else of this machine.
+    let alone = |program: &Path| {
+        let mut command = Command::new(program);
+        command.env_clear().env("PATH", python.parent().unwrap()).current_dir(folder.path());
+        command
+    };
+    run(alone(&python.with_file_name("rher")).args(["train", "reach", "--env-steps", "2000"]));
+    assert!(folder.path().join("runs/reach-rher-fast-1/policy.safetensors").is_file());
+    let steps = package().join("tests/bare/first_steps.py");
+    run(alone(&python).arg(steps).arg(package().join("README.md")));
+}
+
+/// The package's folder.
+fn package() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../rher-py").canonicalize().unwrap()
+}
+
+/// The wheel, built once, with the tools that are in the shared environment.
+fn wheel() -> &'static Path {
+    static WHEEL: OnceLock<PathBuf> = OnceLock::new();
+    WHEEL.get_or_init(|| {
+        let python = venv::python().unwrap();
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("wheel");
+        let _ = std::fs::remove_dir_all(&folder);
+        let mut maturin = Command::new(python.with_file_name("maturin"));
+        maturin.args(["build", "--quiet", "--release", "--out"]).arg(&folder);
+        run(maturin.arg("--interpreter").arg(python).env("PATH", path(python)).current_dir(package()));
+        let mut wheels = std::fs::read_dir(&folder).unwrap();
+        let wheel = wheels.next().expect("maturin has written a wheel").unwrap().path();
+        assert!(wheels.next().is_none(), "one wheel is for every Python");
+        wheel
+    })
 }
 
 /// Where programs are looked for: beside `python` first, where maturin is.

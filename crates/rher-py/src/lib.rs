@@ -14,7 +14,6 @@ mod command;
 mod env;
 mod error;
 mod foreign;
-#[cfg(feature = "measure")]
 mod hindsight;
 mod made;
 mod picture;
@@ -38,7 +37,6 @@ mod _rher {
     use super::command::main;
     #[pymodule_export]
     use super::env::Env;
-    #[cfg(feature = "measure")]
     #[pymodule_export]
     use super::hindsight::Hindsight;
     #[pymodule_export]

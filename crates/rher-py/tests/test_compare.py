@@ -35,7 +35,6 @@ def test_it_is_run_as_a_module():
     assert said.returncode == 0 and "python -m rher.compare" in said.stdout, said.stderr
 
 
-@pytest.mark.skipif(not hasattr(_rher, "Hindsight"), reason="built without the feature `measure`")
 def test_environments_and_relabeling_are_faster_than_their_neighbors(out):
     results, table = measured(out, "--parts", "single", "vector", "relabeling")
     # A busy machine must not fail this: half of what is published.

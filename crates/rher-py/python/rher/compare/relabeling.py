@@ -20,11 +20,6 @@ def measure(args: Namespace) -> Measured:
     from stable_baselines3 import HerReplayBuffer
     from stable_baselines3.common.vec_env import DummyVecEnv
 
-    if not hasattr(_rher, "Hindsight"):
-        raise RuntimeError(
-            "this build of rher cannot measure relabeling: build it with the feature `measure`, as "
-            "the README of the package says"
-        )
     episodes, rows = (100 if args.quick else 2000), 256
     rounds, seconds = (2, 0.3) if args.quick else (7, 2.0)
     env = DummyVecEnv([lambda: gymnasium.make(PUSH[0])])
