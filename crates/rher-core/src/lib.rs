@@ -147,7 +147,7 @@
 //! every order, the policy then chooses in which order to place them.
 //!
 //! `examples/control_loop` is a complete control loop with a fixed rate, a watchdog and action
-//! limits.
+//! limits, also for an arm behind topics, as in ROS 2.
 //!
 //! # Goals and rewards
 //!

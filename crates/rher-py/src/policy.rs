@@ -2,7 +2,7 @@
 
 use crate::any_env::read as positions;
 use crate::arrays::Rows;
-use crate::error::{FileError, InputError, PolicyError, told, unlocked};
+use crate::error::{FileError, InputError, InternalError, PolicyError, told, unlocked};
 use crate::places::Places;
 use numpy::{PyArray1, PyArrayDyn, PyArrayMethods as _};
 use pyo3::prelude::*;
@@ -105,6 +105,21 @@ impl Policy {
     #[getter]
     fn action_width(&self) -> usize {
         self.frozen.info().action_dim
+    }
+
+    /// What its numbers are called.
+    #[getter]
+    fn names<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        as_dict(py, self.frozen.names())
+    }
+
+    /// The rate, the frame and the units of its numbers.
+    #[getter]
+    fn control<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let control = self.frozen.control();
+        let dict = as_dict(py, control)?;
+        dict.set_item("rate_hz", control.rate_hz)?;
+        Ok(dict)
     }
 
     /// The action for an observation and a goal, or the actions for a batch of them.
@@ -295,6 +310,13 @@ impl Policy {
         }
         Ok(actions)
     }
+}
+
+/// A Python dictionary with these fields.
+fn as_dict<'py>(py: Python<'py>, fields: &impl serde::Serialize) -> PyResult<Bound<'py, PyAny>> {
+    let json = serde_json::to_string(fields);
+    let json = json.map_err(|error| InternalError::new_err(told(&error)))?;
+    py.import("json")?.call_method1("loads", (json,))
 }
 
 fn too_many(objects: usize) -> PyErr {

@@ -9,6 +9,7 @@ import gymnasium
 import numpy as np
 import pytest
 import rher
+from toy import STEPS, Carry
 
 
 @pytest.fixture(scope="module")
@@ -178,3 +179,29 @@ def test_a_policy_of_every_task_ships_with_the_package(name):
     assert solved >= 8
     with pytest.raises(ValueError, match="no task is called `nothing`"):
         rher.Policy.pretrained("nothing")
+
+
+def test_a_policy_says_what_its_numbers_are(tiny, out):
+    policy = rher.Policy.pretrained("push")
+    assert policy.names["objects"] == ["block1"]
+    assert policy.names["observation"][:4] == [
+        "gripper.position.x",
+        "gripper.position.y",
+        "gripper.position.z",
+        "block1.position.x",
+    ]
+    assert len(policy.names["action"]) == policy.action_width
+    control = policy.control
+    assert control["rate_hz"] == 25.0
+    assert "x forward" in control["frame"]
+    assert len(control["observation_units"]) == policy.observation_width
+    assert control["action_units"][0] == "0.05 m/step"
+    # Nobody knows those of an environment of one's own.
+    mine = rher.Trainer(Carry(1), episode_steps=STEPS, set=tiny, out=out).policy
+    assert mine.names == {"objects": [], "observation": [], "action": []}
+    assert mine.control == {
+        "rate_hz": None,
+        "frame": "",
+        "observation_units": [],
+        "action_units": [],
+    }

@@ -1,18 +1,23 @@
 //! What an arm's driver delivers and takes, and a simulated arm that can be broken.
 
 use rher_core::{Achieved, Position, Scene};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// What the driver knows at one moment.
+#[derive(Clone)]
 pub(crate) struct Reading {
-    pub(crate) taken: Instant,
+    /// When it was taken, on the arm's clock.
+    pub(crate) taken: Duration,
     pub(crate) observation: Vec<f32>,
     pub(crate) scene: Achieved<1>,
 }
 
 /// An arm's driver.
 pub(crate) trait Arm {
-    fn read(&mut self) -> Reading;
+    /// Waits until `due` on the arm's clock; returns the time that it is then.
+    fn wait_until(&mut self, due: Duration) -> Duration;
+    /// The latest reading; `None` where none has arrived since the last call.
+    fn read(&mut self) -> Option<Reading>;
     /// Carries out an action, each number in [−1, 1], until the next call.
     fn carry_out(&mut self, action: &[f32]);
     /// Keeps the pose until the next call.
@@ -35,6 +40,8 @@ pub(crate) enum Fault {
     Blinded,
     /// A number is missing in every reading.
     Rewired,
+    /// The loop stalls for a second after its fifth reading, as when the computer was asleep.
+    Stalled,
 }
 
 impl Fault {
@@ -45,24 +52,30 @@ impl Fault {
             "flickering" => Ok(Self::Flickering),
             "blinded" => Ok(Self::Blinded),
             "rewired" => Ok(Self::Rewired),
+            "stalled" => Ok(Self::Stalled),
             _ => Err(format!(
-                "the fault is `{name}`, expected late, frozen, flickering, blinded or rewired"
+                "the fault is `{name}`, expected late, frozen, flickering, blinded, rewired or \
+                 stalled"
             )),
         }
     }
 }
 
-/// A hand that moves by a tenth of its action, beside a block that stays where it is.
+/// A hand that moves by a tenth of its action, beside a block that stays where it is. Its time is
+/// simulated: nothing sleeps.
 pub(crate) struct SimulatedArm {
     pub(crate) fault: Fault,
     pub(crate) readings: u32,
     /// Every action that was carried out.
     pub(crate) carried_out: Vec<Vec<f32>>,
+    /// When each was.
+    pub(crate) moments: Vec<Duration>,
     pub(crate) holds: u32,
     pub(crate) stopped: bool,
     obs_dim: usize,
     hand: Position,
-    frozen: Instant,
+    now: Duration,
+    frozen: Duration,
 }
 
 impl SimulatedArm {
@@ -71,37 +84,48 @@ impl SimulatedArm {
             fault,
             readings: 0,
             carried_out: Vec::new(),
+            moments: Vec::new(),
             holds: 0,
             stopped: false,
             obs_dim,
             hand: Position::origin(),
-            frozen: Instant::now(),
+            now: Duration::ZERO,
+            frozen: Duration::ZERO,
         }
     }
 }
 
 impl Arm for SimulatedArm {
-    fn read(&mut self) -> Reading {
+    fn wait_until(&mut self, due: Duration) -> Duration {
+        self.now = self.now.max(due);
+        if self.fault == Fault::Stalled && self.readings == 5 {
+            self.now += Duration::from_secs(1);
+        }
+        self.now
+    }
+
+    fn read(&mut self) -> Option<Reading> {
         self.readings += 1;
         let scene = Achieved(Scene { gripper: self.hand, objects: [Position::origin()] });
         let mut observation = vec![0.1; self.obs_dim];
-        let mut taken = Instant::now();
+        let mut taken = self.now;
         match self.fault {
             _ if self.readings < 5 => self.frozen = taken,
-            Fault::None => {}
-            Fault::Late => taken -= Duration::from_secs(1),
+            Fault::None | Fault::Stalled => {}
+            Fault::Late => taken = taken.saturating_sub(Duration::from_secs(1)),
             Fault::Frozen => taken = self.frozen,
             Fault::Flickering if !self.readings.is_multiple_of(3) => {}
             Fault::Flickering | Fault::Blinded => observation[0] = f32::NAN,
             Fault::Rewired => drop(observation.pop()),
         }
-        Reading { taken, observation, scene }
+        Some(Reading { taken, observation, scene })
     }
 
     fn carry_out(&mut self, action: &[f32]) {
         let moves = self.hand.iter_mut().zip(action);
         moves.for_each(|(place, number)| *place += 0.1 * number);
         self.carried_out.push(action.to_vec());
+        self.moments.push(self.now);
     }
 
     fn hold(&mut self) {

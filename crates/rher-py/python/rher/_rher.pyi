@@ -134,6 +134,22 @@ class Policy:
     def action_width(self) -> int:
         """Length of an action."""
 
+    @property
+    def names(self) -> dict[str, list[str]]:
+        """What its numbers are called: lists ``objects``, ``observation`` and ``action``.
+
+        They are empty where nobody knows.
+        """
+
+    @property
+    def control(self) -> dict[str, Any]:
+        """What a controller has to provide so that the policy acts as it did in training.
+
+        ``rate_hz`` is the number of actions in a second, or None, ``frame`` the frame of all
+        positions in words; ``observation_units`` and ``action_units`` have a unit for each number,
+        such as ``m`` and ``0.05 m/step``, and are empty where nobody knows.
+        """
+
     def __call__(
         self,
         observation: npt.ArrayLike | Mapping[str, npt.ArrayLike],
