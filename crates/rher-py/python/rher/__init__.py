@@ -25,6 +25,7 @@ from rher.errors import (
     TrainError,
 )
 from rher.run import Run
+from rher.step_log import StepLog, Taken
 from rher.trainer import Trainer
 from rher.training import resume, train
 from rher.vector import TaskVectorEnv
@@ -45,6 +46,8 @@ __all__ = [
     "SettingsError",
     "State",
     "StateError",
+    "StepLog",
+    "Taken",
     "TaskEnv",
     "TaskVectorEnv",
     "TrainError",
