@@ -55,7 +55,7 @@ fn read(line: &str) -> Option<(&str, f32, PublishedRun)> {
     let mut words = line.split(' ');
     let (name, until) = (words.next()?, words.next()?.parse().ok()?);
     let (interval, wall_s) = (words.next()?.parse().ok()?, words.next()?.parse().ok()?);
-    let course = words.map(|rate| rate.parse().ok()).collect::<Option<Vec<u8>>>()?;
+    let course = words.map(|rate| rate.parse::<u8>().ok()).collect::<Option<Vec<u8>>>()?;
     Some((name, until, PublishedRun { interval, wall_s, course }))
 }
 
