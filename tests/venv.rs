@@ -25,6 +25,24 @@ pub(crate) const SHARED: Venv = Venv {
     no_deps: include_str!("requirements-no-deps.txt"),
 };
 
+/// For packages that need a newer Python.
+const NEWER: Venv = Venv {
+    folder: "python-3.12",
+    interpreter: "python3.12",
+    requirements: include_str!("requirements-3.12.txt"),
+    no_deps: include_str!("requirements-3.12-no-deps.txt"),
+};
+
+/// The interpreter of Python 3.12, or why there is none.
+pub(crate) fn python_3_12() -> Result<PathBuf, String> {
+    let version = "import ensurepip, venv, sys; sys.exit(sys.version_info[:2] != (3, 12))";
+    let started = Command::new(NEWER.interpreter).args(["-c", version]).output();
+    if !started.is_ok_and(|output| output.status.success()) {
+        return Err("there is no `python3.12` with `venv`, which LeRobot 0.6.1 needs".to_owned());
+    }
+    NEWER.python()
+}
+
 /// The interpreter of the shared one, or why there is none.
 pub(crate) fn python() -> Result<&'static Path, &'static str> {
     static PYTHON: OnceLock<Result<PathBuf, String>> = OnceLock::new();

@@ -1,6 +1,6 @@
 //! Python with the packages whose readers judge our files.
 
-use crate::venv::{self, Venv};
+use crate::venv;
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -10,24 +10,10 @@ pub(crate) fn python() -> Option<&'static Path> {
     venv::python().inspect_err(|why| ignored(why)).ok()
 }
 
-/// For packages that need it.
-const NEWER: Venv = Venv {
-    folder: "python-3.12",
-    interpreter: "python3.12",
-    requirements: include_str!("../requirements-3.12.txt"),
-    no_deps: include_str!("../requirements-3.12-no-deps.txt"),
-};
-
 /// The interpreter of Python 3.12; `None`, and the reason on stderr, where there is none that starts
 /// or no network.
 pub(crate) fn python_3_12() -> Option<PathBuf> {
-    let version = "import ensurepip, venv, sys; sys.exit(sys.version_info[:2] != (3, 12))";
-    let started = Command::new(NEWER.interpreter).args(["-c", version]).output();
-    if !started.is_ok_and(|output| output.status.success()) {
-        ignored("there is no `python3.12` with `venv`, which LeRobot 0.6.1 needs");
-        return None;
-    }
-    NEWER.python().inspect_err(|why| ignored(why)).ok()
+    venv::python_3_12().inspect_err(|why| ignored(why)).ok()
 }
 
 /// What a script of ours under `python/` prints.

@@ -56,6 +56,30 @@ fn the_wheel_is_all_that_a_user_needs() {
     run(alone(&python).arg(steps).arg(package().join("README.md")));
 }
 
+/// LeRobot needs a newer Python than the shared one may be, and its plugin is a package of its own.
+#[test]
+#[cfg_attr(not(python3), ignore = "there is no `python3` from 3.10 on with `venv`")]
+fn policies_and_robots_are_those_of_lerobot() {
+    let python = match venv::python_3_12() {
+        Ok(python) => python,
+        Err(why) => {
+            let _ = writeln!(io::stderr(), "ignored: {why}");
+            return;
+        }
+    };
+    let pip = ["-m", "pip", "install", "--quiet", "--force-reinstall", "--no-deps"];
+    run(Command::new(&python).args(pip).arg(wheel()));
+    let mut plugin = Command::new(&python);
+    plugin.args(pip).arg("--no-build-isolation").arg(package().join("lerobot_policy_rher"));
+    run(&mut plugin);
+    let report = run(Command::new(&python)
+        .args(["-m", "pytest", "--quiet", "-rs", "-p", "no:cacheprovider"])
+        .args(["tests/test_lerobot.py", "tests/test_control_loop.py"])
+        .env("OMP_NUM_THREADS", "1")
+        .current_dir(package()));
+    assert!(report.contains(" passed") && !report.contains("skipped"), "{report}");
+}
+
 /// The package's folder.
 fn package() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../rher-py").canonicalize().unwrap()
@@ -70,7 +94,11 @@ fn wheel() -> &'static Path {
         let _ = std::fs::remove_dir_all(&folder);
         let mut maturin = Command::new(python.with_file_name("maturin"));
         maturin.args(["build", "--quiet", "--release", "--out"]).arg(&folder);
-        run(maturin.arg("--interpreter").arg(python).env("PATH", path(python)).current_dir(package()));
+        run(maturin
+            .arg("--interpreter")
+            .arg(python)
+            .env("PATH", path(python))
+            .current_dir(package()));
         let mut wheels = std::fs::read_dir(&folder).unwrap();
         let wheel = wheels.next().expect("maturin has written a wheel").unwrap().path();
         assert!(wheels.next().is_none(), "one wheel is for every Python");
