@@ -11,12 +11,13 @@ fuzz_target!(|file: &[u8]| {
     if let Ok(policy) = Policy::from_bytes(file, Path::new("policy")) {
         let info = policy.info().clone();
         if info.objects == 1 {
-            let spec = EnvSpec::<1>::new("fuzz", info.obs_dim, info.action_dim, 1);
+            let mut spec = EnvSpec::<1>::new("fuzz", info.obs_dim, info.action_dim, 1);
+            spec.tolerances.tail = *policy.tail();
             let Ok(mut actor) = policy.actor(&spec) else { return };
             let observation = vec![0.0; info.obs_dim];
             let mut action = vec![0.0; info.action_dim];
             let place = Position::new(0.1, 0.2, 0.3);
-            let scene = Achieved(Scene { gripper: place, objects: [place] });
+            let scene = Achieved(Scene::new(place, [place]));
             let desired = Desired::of_task([place]);
             let _ = actor.act(actor.task(), &observation, &scene, &desired, &mut action);
         }

@@ -96,7 +96,7 @@ impl Places {
 
     fn achieved<const N: usize>(&self) -> Achieved<N> {
         let objects = std::array::from_fn(|object| position(self.objects[object]));
-        Achieved(Scene { gripper: position(self.gripper), objects })
+        Achieved(Scene::new(position(self.gripper), objects))
     }
 }
 
@@ -162,6 +162,7 @@ fn spec<const N: usize>() -> EnvSpec<N> {
             center: MIRRORS[axis],
             observation: (0..3 + 6 * N).map(flip).collect(),
             action: (0..3).map(turn).collect(),
+            tail: Vec::new(),
         }
     };
     let permutation = |order: &Vec<usize>| {
@@ -175,6 +176,7 @@ fn spec<const N: usize>() -> EnvSpec<N> {
         tolerances: Tolerances {
             gripper: GRIPPER_TOLERANCE,
             objects: std::array::from_fn(|object| TOLERANCES[object]),
+            ..Tolerances::uniform(GRIPPER_TOLERANCE)
         },
         mirrors: (0..2).map(mirror).collect(),
         permutations: orders(N)[1..].iter().map(permutation).collect(),

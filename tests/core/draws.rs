@@ -31,7 +31,7 @@ fn relay(objects: usize) -> RelayConfig {
 fn numbered<const N: usize>(steps: usize, obs_dim: usize) -> Episode<N> {
     let frame = |frame: usize| {
         let place = Position::new(0.1 * frame as f32, 0.0, 0.0);
-        Achieved(Scene { gripper: place, objects: [place; N] })
+        Achieved(Scene::new(place, [place; N]))
     };
     let numbers = |frame: usize| std::iter::repeat_n(frame as f32, obs_dim);
     Episode {
@@ -102,6 +102,7 @@ fn every_mirror_is_drawn_for_itself() {
         center: 0.0,
         observation: vec![SignedIndex { from: 0, sign: 1.0, offset: 0.0 }],
         action: (0..2).map(|from| SignedIndex { from, sign: flips[from], offset: 0.0 }).collect(),
+        tail: Vec::new(),
     };
     let spec = EnvSpec::<1> {
         mirrors: vec![mirror(0, [-1.0, 1.0]), mirror(1, [1.0, -1.0])],
@@ -201,7 +202,13 @@ fn shares_end_where_they_should() {
 
     let flip = SignedIndex { from: 0, sign: -1.0, offset: 0.0 };
     let same = SignedIndex { sign: 1.0, ..flip };
-    let mirror = Mirror { axis: 0, center: 0.0, observation: vec![same], action: vec![flip] };
+    let mirror = Mirror {
+        axis: 0,
+        center: 0.0,
+        observation: vec![same],
+        action: vec![flip],
+        tail: Vec::new(),
+    };
     let spec = EnvSpec::<1> { mirrors: vec![mirror], ..EnvSpec::new("draws", 1, 1, STEPS) };
     let relay = RelayConfig { mirror: 0.5, hindsight: 0.0, ..relay(1) };
     let encoder = InputEncoder::new(&relay, &spec);
@@ -274,7 +281,7 @@ fn statistics_are_of_every_step_and_its_goals() {
 fn statistics_are_applied() {
     let spec = EnvSpec::<1>::new("draws", 1, 1, STEPS);
     let mut encoder = InputEncoder::new(&relay(1), &spec);
-    let now = Achieved(Scene { gripper: Position::origin(), objects: [Position::origin()] });
+    let now = Achieved(Scene::new(Position::origin(), [Position::origin()]));
     let goal = EncodedGoal::new(Stage::FIRST, &now, &Desired::of_task([Position::origin()]));
     let first = |encoder: &InputEncoder, number: f32| {
         let mut row = vec![0.0; encoder.width()];

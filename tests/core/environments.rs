@@ -18,6 +18,7 @@ fn spec() -> EnvSpec<2> {
         center: 0.0,
         observation: vec![entry(0, -1.0), entry(1, -1.0), entry(2, -1.0)],
         action: vec![entry(0, -1.0)],
+        tail: Vec::new(),
     }];
     spec.permutations = vec![Permutation {
         order: [1, 0],
@@ -130,7 +131,7 @@ enum Fault {
 impl Cart {
     fn new(fault: Fault) -> Self {
         let origin = Position::origin();
-        let scene = Scene { gripper: origin, objects: [origin; 2] };
+        let scene = Scene::new(origin, [origin; 2]);
         Self { spec: spec(), fault, scene, steps: 0 }
     }
 
@@ -153,7 +154,7 @@ impl Env<2> for Cart {
     fn reset(&mut self, seed: u64, observation: &mut [f32]) -> Result<Start<2>, EnvError> {
         let seed = if self.fault == Fault::SeedIgnored { 0 } else { seed };
         let place = |from: f32| Position::new(from + 0.01 * (seed % 7) as f32, 0.0, 0.0);
-        self.scene = Scene { gripper: place(0.0), objects: [place(0.5), place(-0.8)] };
+        self.scene = Scene::new(place(0.0), [place(0.5), place(-0.8)]);
         if self.fault == Fault::Remembers {
             self.scene.gripper.x += 1e-6 * self.steps as f32;
         }

@@ -57,7 +57,7 @@ fn frame(letters: &str) -> Achieved<3> {
         b'0' => Position::new(0.0, 0.0, 1.0),
         object => objects[usize::from(object - b'1')],
     };
-    Achieved(Scene { gripper, objects })
+    Achieved(Scene::new(gripper, objects))
 }
 
 fn scripted(frames: &str) -> Scripted {
@@ -65,7 +65,11 @@ fn scripted(frames: &str) -> Scripted {
     Scripted {
         spec: EnvSpec {
             // What is 4 cm away is in its place for the first object alone.
-            tolerances: Tolerances { gripper: 0.03, objects: [0.05, 0.03, 0.02] },
+            tolerances: Tolerances {
+                gripper: 0.03,
+                objects: [0.05, 0.03, 0.02],
+                ..Tolerances::uniform(0.0)
+            },
             ..EnvSpec::new("scripted", 1, 1, frames.len() - 1)
         },
         frames,

@@ -14,7 +14,7 @@ fn scene<const N: usize>(base: f32) -> Scene<N> {
     for (index, object) in objects.iter_mut().enumerate() {
         object.x += index as f32 + 1.0;
     }
-    Scene { gripper: at(base), objects }
+    Scene::new(at(base), objects)
 }
 
 /// One line for each sub-task: where each slot's position comes from.

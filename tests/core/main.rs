@@ -28,6 +28,7 @@ mod relabeling;
 mod replays;
 #[cfg(feature = "train")]
 mod spelled_out;
+mod tails;
 mod toy;
 #[cfg(feature = "train")]
 mod training;

@@ -29,7 +29,7 @@ impl NearestFirst {
         spec.permutations = vec![Permutation { order: [1, 0], observation }];
         spec.any_order = true;
         let origin = Position::origin();
-        let scene = Scene { gripper: origin, objects: [origin; 2] };
+        let scene = Scene::new(origin, [origin; 2]);
         Self { spec, scene, targets: [origin; 2], step: 0 }
     }
 

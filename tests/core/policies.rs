@@ -116,7 +116,7 @@ fn an_actor_refuses_what_is_not_finite_or_of_another_length() {
     let policy = trained();
     let mut actor = policy.actor(&EnvSpec::<1>::new("arm", 4, 3, 25)).unwrap();
     let here = Position::new(0.1, 0.2, 0.0);
-    let scene = Achieved(Scene { gripper: here, objects: [here] });
+    let scene = Achieved(Scene::new(here, [here]));
     let desired = Desired::of_task([Position::origin()]);
     let mut action = [0.0; 3];
     let mut act = |observation: &[f32], scene: &Achieved<1>, desired: &Desired<1>, width: usize| {
@@ -170,6 +170,7 @@ fn a_policy_keeps_the_rate_the_units_and_the_names_of_its_numbers() {
         objects: list(&["block1", "block2"]),
         observation: list(&["block1.position.x", "block2.position.x"]),
         action: list(&["hand.x"]),
+        tail: Vec::new(),
     };
     spec.control = Control {
         rate_hz: Some(25.0),
@@ -183,7 +184,7 @@ fn a_policy_keeps_the_rate_the_units_and_the_names_of_its_numbers() {
     let policy = Policy::load(&path).unwrap();
     assert_eq!((policy.names(), policy.control()), (&spec.names, &spec.control));
 
-    let scene = Achieved(Scene { gripper: Position::origin(), objects: [Position::origin(); 2] });
+    let scene = Achieved(Scene::new(Position::origin(), [Position::origin(); 2]));
     let desired = Desired::of_task([Position::new(0.1, 0.0, 0.0); 2]);
     let (mut lent, mut owned) = ([0.0], [0.0]);
     let mut actor = policy.actor(&spec).unwrap();

@@ -20,6 +20,7 @@ fn names(objects: usize, kind: &str, hand: &str) -> Names {
         observation: observation.collect(),
         action: ["x", "y", "grip"].map(|what| format!("{hand}.{what}")).into(),
         objects,
+        tail: Vec::new(),
     }
 }
 

@@ -40,7 +40,7 @@ fn position() -> impl Strategy<Value = Position> {
 
 fn scene() -> impl Strategy<Value = Scene<2>> {
     (position(), prop::array::uniform2(position()))
-        .prop_map(|(gripper, objects)| Scene { gripper, objects })
+        .prop_map(|(gripper, objects)| Scene::new(gripper, objects))
 }
 
 fn episode() -> impl Strategy<Value = Episode<2>> {
@@ -69,6 +69,7 @@ fn relabeler(hindsight: f32, later_objects: LaterObjects, mirror: f32) -> Relabe
         center: 0.1,
         observation: vec![reflect(1.0), SignedIndex { from: 1, sign: -1.0, offset: 0.2 }],
         action: vec![reflect(-1.0)],
+        tail: Vec::new(),
     };
     Relabeler::new(&config, &spec(vec![mirror], Vec::new()))
 }
@@ -304,7 +305,7 @@ fn at_its_tolerance_an_object_is_in_its_place() {
     let desired = Desired::of_task([origin, Position::new(0.0, 1.0, 0.0)]);
     let first_number = |apart: f32| {
         let objects = [Position::new(apart, 0.0, 0.0), origin];
-        let now = Achieved(Scene { gripper: origin, objects });
+        let now = Achieved(Scene::new(origin, objects));
         let goal = EncodedGoal::new(Stage::place(1), &now, &desired);
         let mut row = vec![0.0; encoder.width()];
         encoder.write(&[0.25, 0.75], &now, &goal, &mut row);
@@ -320,7 +321,7 @@ fn training_can_ask_for_more_than_the_task() {
     let spec = spec(Vec::new(), Vec::new());
     let scene = |x| {
         let objects = [Position::new(x, 0.0, 0.0), Position::origin()];
-        Achieved(Scene { gripper: Position::origin(), objects })
+        Achieved(Scene::new(Position::origin(), objects))
     };
     let mut replay = Replay::new(&spec, STEPS);
     replay.push(&Episode {
@@ -344,10 +345,7 @@ fn training_can_ask_for_more_than_the_task() {
 
 #[test]
 fn a_blank_slot_is_a_flag_that_no_position_can_be_taken_for() {
-    let now = Achieved(Scene {
-        gripper: Position::new(1.3, 0.7, 0.4),
-        objects: [Position::new(1.4, 0.8, 0.4)],
-    });
+    let now = Achieved(Scene::new(Position::new(1.3, 0.7, 0.4), [Position::new(1.4, 0.8, 0.4)]));
     let desired = Desired::of_task([Position::new(1.2, 0.6, 0.4)]);
     for (frame, blank) in [(GoalFrame::Absolute, -5.0), (GoalFrame::Relative, 0.0)] {
         let mut encoder = input_encoder(frame, &EnvSpec::<1>::new("law", 1, 1, STEPS));

@@ -41,7 +41,7 @@ impl<const N: usize> Magnet<N> {
                 names: Names::default(),
                 control: Control::default(),
             },
-            scene: Scene { gripper: origin, objects: [origin; N] },
+            scene: Scene::new(origin, [origin; N]),
             desired: [origin; N],
         }
     }
@@ -62,8 +62,7 @@ impl<const N: usize> Env<N> for Magnet<N> {
     fn reset(&mut self, seed: u64, observation: &mut [f32]) -> Result<Start<N>, EnvError> {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let mut place = || Position::new(rng.random(), rng.random(), 0.0);
-        self.scene =
-            Scene { gripper: Position::new(0.5, 0.5, 0.0), objects: [(); N].map(|()| place()) };
+        self.scene = Scene::new(Position::new(0.5, 0.5, 0.0), [(); N].map(|()| place()));
         self.desired = [(); N].map(|()| place());
         self.observe(observation);
         Ok(Start { achieved: Achieved(self.scene), desired: Desired::of_task(self.desired) })

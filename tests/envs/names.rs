@@ -23,7 +23,7 @@ impl EnvVisitor for Named {
     fn visit<const N: usize, E: Simulated<N>>(self, build: impl Fn() -> E + Sync) {
         let env = build();
         let spec = env.spec();
-        let Names { objects, observation, action } = &spec.names;
+        let Names { objects, observation, action, .. } = &spec.names;
         let lists = [(objects, N), (observation, spec.obs_dim), (action, spec.action_dim)];
         for (list, expected) in lists {
             let different: BTreeSet<&String> = list.iter().collect();

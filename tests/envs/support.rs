@@ -159,5 +159,5 @@ pub(crate) fn seen_clearly(task: Task) -> Options {
 }
 
 fn nowhere<const N: usize>() -> Scene<N> {
-    Scene { gripper: Position::origin(), objects: [Position::origin(); N] }
+    Scene::new(Position::origin(), [Position::origin(); N])
 }

@@ -144,8 +144,8 @@ where
         achieved: of_small
             .achieved
             .iter()
-            .map(|Achieved(Scene { gripper, objects })| {
-                Achieved(Scene { gripper: *gripper, objects: among_others(objects) })
+            .map(|Achieved(Scene { gripper, objects, .. })| {
+                Achieved(Scene::new(*gripper, among_others(objects)))
             })
             .collect(),
         actions: of_small.actions.clone(),
@@ -194,8 +194,8 @@ fn what_was_learned_about_one_block_is_known_of_the_one_whose_turn_it_is() {
         achieved: of_both
             .achieved
             .iter()
-            .map(|Achieved(Scene { gripper, objects })| {
-                Achieved(Scene { gripper: *gripper, objects: [objects[1]] })
+            .map(|Achieved(Scene { gripper, objects, .. })| {
+                Achieved(Scene::new(*gripper, [objects[1]]))
             })
             .collect(),
         actions: of_both.actions.clone(),

@@ -47,12 +47,12 @@ impl Env<1> for Probe {
         observation[0] = 1.0;
         let here = Position::origin();
         let desired = Desired::of_task([Position::new(self.target, 0.0, 0.0)]);
-        Ok(Start { achieved: Achieved(Scene { gripper: here, objects: [here] }), desired })
+        Ok(Start { achieved: Achieved(Scene::new(here, [here])), desired })
     }
 
     fn step(&mut self, action: &[f32], observation: &mut [f32]) -> Result<Achieved<1>, EnvError> {
         observation[0] = 1.0;
         let here = Position::new(STRIDE * action[0], 0.0, 0.0);
-        Ok(Achieved(Scene { gripper: here, objects: [here] }))
+        Ok(Achieved(Scene::new(here, [here])))
     }
 }

@@ -23,7 +23,7 @@ impl Line {
     fn observe(&self, observation: &mut [f32]) -> Achieved<1> {
         observation[0] = self.hand;
         let gripper = Position::new(self.hand, 0.0, 0.0);
-        Achieved(Scene { gripper, objects: [self.target] })
+        Achieved(Scene::new(gripper, [self.target]))
     }
 }
 

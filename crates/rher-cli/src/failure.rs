@@ -62,16 +62,14 @@ impl Failure {
         let targets = episode.desired.objects();
         // A sub-task that reaches an object is about the gripper as well.
         let placed = stage.object() + usize::from(stage.leg() == Leg::Place);
-        let out_of_place = |object: &usize| {
-            !tolerances.placed(*object, &end.0.objects[*object], &targets[*object])
-        };
+        let out_of_place = |object: &usize| !tolerances.placed(*object, end, &episode.desired);
         let objects: Vec<usize> = (0..placed).filter(out_of_place).collect();
 
         let frames = &episode.achieved;
         let is_dropped = |object: &usize| is_dropped(*object, frames, &targets[*object]);
         let was_there = |object: &usize| {
-            let path = frames.iter().map(|frame| frame.0.objects[*object]).collect::<Vec<_>>();
-            has_lain(&path, |place| tolerances.placed(*object, place, &targets[*object]))
+            let is_there = |now: &Achieved<N>| tolerances.placed(*object, now, &episode.desired);
+            has_lain(*object, frames, is_there)
         };
         let is_away =
             |object: &usize| !can_reach(&end.0.objects[*object]) || !can_reach(&targets[*object]);
@@ -94,11 +92,16 @@ fn is_dropped<const N: usize>(object: usize, frames: &[Achieved<N>], target: &Po
         && distance(&place, &end.gripper) > LET_GO
 }
 
-/// Whether something was in its place for a while without moving.
-fn has_lain(path: &[Position], is_there: impl Fn(&Position) -> bool) -> bool {
-    path.windows(LYING).any(|part| {
-        let is_still = |place: &Position| distance(place, &part[0]) < STILL;
-        part.iter().all(|place| is_there(place) && is_still(place))
+/// Whether an object was in its place for a while without moving.
+fn has_lain<const N: usize>(
+    object: usize,
+    frames: &[Achieved<N>],
+    is_there: impl Fn(&Achieved<N>) -> bool,
+) -> bool {
+    frames.windows(LYING).any(|part| {
+        let start = &part[0].0.objects[object];
+        let is_still = |now: &Achieved<N>| distance(&now.0.objects[object], start) < STILL;
+        part.iter().all(|now| is_there(now) && is_still(now))
     })
 }
 
@@ -166,7 +169,7 @@ mod tests {
             let to = path[(from + 1).min(path.len() - 1)];
             path[from] + (to - path[from]) * (at - from as f32)
         };
-        let frame = |step| Scene { gripper: along(gripper, step), objects: [along(block, step)] };
+        let frame = |step| Scene::new(along(gripper, step), [along(block, step)]);
         Episode {
             desired: Desired::of_task([TARGET]),
             observations: Vec::new(),

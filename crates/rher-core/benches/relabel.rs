@@ -34,6 +34,7 @@ fn spec() -> EnvSpec<1> {
             center: 0.0,
             observation: (0..OBSERVATION).map(same).collect(),
             action: (0..ACTION).map(same).collect(),
+            tail: Vec::new(),
         }],
         permutations: Vec::new(),
         any_order: false,
@@ -48,8 +49,7 @@ fn episode(rng: &mut ChaCha8Rng) -> Episode<1> {
     let actions = numbers(STEPS * ACTION);
     let mut place = || Position::from([rng.random(), rng.random(), rng.random()]);
     let desired = Desired::of_task([place()]);
-    let achieved =
-        (0..=STEPS).map(|_| Achieved(Scene { gripper: place(), objects: [place()] })).collect();
+    let achieved = (0..=STEPS).map(|_| Achieved(Scene::new(place(), [place()]))).collect();
     Episode { desired, observations, achieved, actions }
 }
 

@@ -23,7 +23,7 @@ impl Env<1> for Carry {
     fn reset(&mut self, seed: u64, observation: &mut [f32]) -> Result<Start<1>, EnvError> {
         let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
         let mut anywhere = || Position::new(rng.random(), rng.random(), 0.0);
-        self.scene = Scene { gripper: anywhere(), objects: [anywhere()] };
+        self.scene = Scene::new(anywhere(), [anywhere()]);
         observation.copy_from_slice((self.scene.gripper - self.scene.objects[0]).as_slice());
         Ok(Start { achieved: Achieved(self.scene), desired: Desired::of_task([anywhere()]) })
     }
@@ -43,7 +43,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut config = Preset::Fast.config("carry", 1);
     config.env_steps = 10_000;
     config.agent.hidden = vec![64, 64];
-    let scene = Scene { gripper: Position::origin(), objects: [Position::origin()] };
+    let scene = Scene::new(Position::origin(), [Position::origin()]);
     let env = Carry { spec: EnvSpec::new("carry", 3, 2, 25), scene };
     let mut trainer = Trainer::new(config, vec![env], 1)?;
     let mut print = |event: &Event| {

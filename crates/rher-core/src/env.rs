@@ -116,13 +116,14 @@ impl<const N: usize> EnvSpec<N> {
                 );
             }
         }
+        let tail = &self.tolerances.tail;
         let of_control = self.control.check(self.obs_dim, self.action_dim);
-        let of_names = self.names.check(N, self.obs_dim, self.action_dim);
+        let of_names = self.names.check(N, self.obs_dim, self.action_dim, tail.parts().len());
         if let Err((field, found, expected)) = of_names.and(of_control) {
             return wrong(field.to_owned(), found, expected);
         }
         for (index, mirror) in self.mirrors.iter().enumerate() {
-            if let Err(problem) = mirror.check(self.obs_dim, self.action_dim) {
+            if let Err(problem) = mirror.check(self.obs_dim, self.action_dim, tail.numbers()) {
                 return wrong(format!("mirrors[{index}]"), problem.found, problem.expected);
             }
         }
@@ -217,7 +218,7 @@ pub struct Start<const N: usize> {
 ///     fn observe(&self, observation: &mut [f32]) -> Achieved<1> {
 ///         observation[0] = self.hand;
 ///         let gripper = Position::new(self.hand, 0.0, 0.0);
-///         Achieved(Scene { gripper, objects: [self.target] })
+///         Achieved(Scene::new(gripper, [self.target]))
 ///     }
 /// }
 ///

@@ -1,7 +1,7 @@
 //! One episode, and how it is made.
 
 use crate::env::{Env, EnvError, Permutation, SignedIndex, Start};
-use crate::goal::{Achieved, Desired};
+use crate::goal::{Achieved, Desired, TAIL_NUMBERS};
 
 /// `T + 1` frames, and the `T` actions between them.
 ///
@@ -76,8 +76,9 @@ pub enum ActError {
     /// A number is NaN or infinite.
     #[error("number {index} of `{field}` is {value}, expected a finite number")]
     NotFinite {
-        /// `observation`, `achieved` (the gripper's position, then the objects'), `desired`, or
-        /// `action`, which the policy itself computed.
+        /// `observation`, `achieved` (the gripper's position, then the objects'), `desired`,
+        /// `achieved tails` or `desired tails` ([`TAIL_NUMBERS`] for each object), or `action`,
+        /// which the policy itself computed.
         field: &'static str,
         /// Place in it, counted from 0.
         index: usize,
@@ -186,6 +187,12 @@ fn check<const N: usize>(
     for (place, position) in gripper.chain(objects) {
         if let Some(value) = position.iter().find(|x| !x.is_finite()) {
             return not_finite(place, *value);
+        }
+    }
+    for (object, tail) in scene.tails.all().chunks_exact(TAIL_NUMBERS).enumerate() {
+        if let Some(number) = tail.iter().position(|x| !x.is_finite()) {
+            let place = format!("number {number} of the tail of object {}", object + 1);
+            return not_finite(place, tail[number]);
         }
     }
     Ok(())

@@ -33,7 +33,8 @@ pub struct Evaluation {
     /// Success rate of the last sub-task.
     pub success_final: f32,
     /// Mean distance of the objects to their targets at the end of the last sub-task's episodes,
-    /// in meters; of the gripper to the object where the last sub-task is to reach it.
+    /// in meters; of the gripper to the object where the last sub-task is to reach it. Where goals
+    /// are more than positions, [`final_distance`] has another unit.
     pub final_distance: f32,
     /// The same for where everything really was, if sensors told otherwise.
     pub true_final_distance: Option<f32>,
@@ -115,7 +116,7 @@ fn evaluate_seen<const N: usize, E: Env<N>>(
 ) -> Result<Option<Evaluation>, EvaluateError> {
     let spec = envs[0].spec();
     spec.validate()?;
-    policy.info().check_spec(spec)?;
+    policy.check_spec(spec)?;
     let tolerances = spec.tolerances;
     let stages: Vec<Stage<N>> = Stage::all().take(policy.info().subtasks).collect();
     let last = stages.len() - 1;
@@ -150,7 +151,9 @@ fn evaluate_seen<const N: usize, E: Env<N>>(
                     let met = EncodedGoal::new(stage, &end, &played.desired)
                         .is_met(&end, &tolerances)
                         || stage.index() < last && was_touched(stage, played, &tolerances);
-                    let distance = |end: &Achieved<N>| final_distance(stage, end, &played.desired);
+                    let distance = |end: &Achieved<N>| {
+                        final_distance(stage, end, &played.desired, &tolerances)
+                    };
                     let truly = env.truth().map(|end| distance(&end));
                     Ok(Some((stage.index(), met, distance(&end), truly)))
                 })
@@ -261,27 +264,28 @@ fn was_touched<const N: usize>(
     played: &Episode<N>,
     tolerances: &Tolerances<N>,
 ) -> bool {
-    let (Achieved(start), Achieved(end)) =
-        (&played.achieved[0], &played.achieved[played.achieved.len() - 1]);
+    let (start, end) = (&played.achieved[0], &played.achieved[played.achieved.len() - 1]);
     let object = stage.object();
-    let targets = played.desired.objects();
-    let is_placed =
-        |earlier: usize| tolerances.placed(earlier, &end.objects[earlier], &targets[earlier]);
-    stage.leg() == Leg::Reach && end.has_moved(object, start) && (0..object).all(is_placed)
+    let is_placed = |earlier: usize| tolerances.placed(earlier, end, &played.desired);
+    stage.leg() == Leg::Reach && end.0.has_moved(object, &start.0) && (0..object).all(is_placed)
 }
 
-/// How far a scene is from what the sub-task that ends with `stage` is for, in meters: the mean
-/// over objects to their targets, or the gripper to the object it should reach.
+/// How far a scene is from what the sub-task that ends with `stage` is for: the mean over objects to
+/// their targets, or the gripper to the object it should reach, in meters.
+///
+/// Where goals are more than positions, an object is as far from its target as in the part in which
+/// it is furthest, in units of that part's tolerance.
 pub fn final_distance<const N: usize>(
     stage: Stage<N>,
     Achieved(end): &Achieved<N>,
     desired: &Desired<N>,
+    tolerances: &Tolerances<N>,
 ) -> f32 {
     match stage.leg() {
         Leg::Reach => nalgebra::distance(&end.gripper, &end.objects[stage.object()]),
         Leg::Place => {
-            let pairs = end.objects.iter().zip(desired.objects());
-            pairs.map(|(object, target)| nalgebra::distance(object, target)).sum::<f32>() / N as f32
+            let distance = |object| tolerances.distance(object, end, desired);
+            (0..N).map(distance).sum::<f32>() / N as f32
         }
     }
 }

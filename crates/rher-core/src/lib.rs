@@ -41,7 +41,7 @@
 //!     fn new() -> Self {
 //!         // An observation has one number, an action one, an episode 20 steps.
 //!         let spec = EnvSpec::new("line", 1, 1, 20);
-//!         Self { spec, scene: Scene { gripper: Position::origin(), objects: [Position::origin()] } }
+//!         Self { spec, scene: Scene::new(Position::origin(), [Position::origin()]) }
 //!     }
 //!
 //!     fn observe(&self, observation: &mut [f32]) -> Achieved<1> {
@@ -59,7 +59,7 @@
 //!     fn reset(&mut self, seed: u64, observation: &mut [f32]) -> Result<Start<1>, EnvError> {
 //!         let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
 //!         let mut anywhere = || Position::new(rng.random(), 0.0, 0.0);
-//!         self.scene = Scene { gripper: anywhere(), objects: [anywhere()] };
+//!         self.scene = Scene::new(anywhere(), [anywhere()]);
 //!         let desired = Desired::of_task([anywhere()]);
 //!         Ok(Start { achieved: self.observe(observation), desired })
 //!     }
@@ -123,7 +123,7 @@
 //! use rher_core::{Achieved, Desired, EnvSpec, Policy, Position, Scene};
 //! # fn read_robot(observation: &mut [f32]) -> Scene<1> {
 //! #     observation.fill(0.0);
-//! #     Scene { gripper: Position::origin(), objects: [Position::origin()] }
+//! #     Scene::new(Position::origin(), [Position::origin()])
 //! # }
 //! # fn move_robot(_: &[f32]) {}
 //!
@@ -159,7 +159,7 @@
 //! use rher_core::{Achieved, Desired, EncodedGoal, Position, Scene, Stage, Tolerances};
 //!
 //! let block = Position::new(0.3, 0.1, 0.0);
-//! let now = Achieved(Scene { gripper: Position::origin(), objects: [block] });
+//! let now = Achieved(Scene::new(Position::origin(), [block]));
 //! let desired = Desired::of_task([Position::new(0.4, 0.1, 0.0)]);
 //! let tolerances = Tolerances::uniform(0.05);
 //!
@@ -236,7 +236,10 @@ pub use episode::{ActError, Episode, RolloutError, View, rollout};
 #[cfg(feature = "train")]
 pub use evaluate::{Evaluation, evaluate};
 pub use event::{Event, Metrics, Observer, ObserverError};
-pub use goal::{Achieved, Desired, EncodedGoal, Leg, Position, Scene, Stage, Tolerances};
+pub use goal::{
+    Achieved, Desired, EncodedGoal, Leg, Metric, Position, Scene, Stage, TailError, TailPart,
+    TailSpec, Tails, Tolerances,
+};
 pub use names::Names;
 pub use policy::{Actor, Mismatch, Policy, PolicyError, PolicyInfo, RunId};
 #[cfg(feature = "train")]

@@ -5,7 +5,7 @@ use crate::config::{Method, RelayConfig};
 use crate::env::{EnvSpec, Mirror, Permutation, SignedIndex};
 use crate::episode::Episode;
 use crate::goal::{
-    Achieved, Desired, EncodedGoal, LaterObjects, Position, SUCCESS, Scene, Stage, Tolerances,
+    Achieved, Desired, EncodedGoal, LaterObjects, Position, SUCCESS, Stage, Tail, Tolerances,
 };
 use crate::input::InputEncoder;
 use crate::replay::{Replay, StepIndex};
@@ -44,6 +44,7 @@ struct Reflection {
     mirrors: Vec<Mirror>,
     observation: Vec<SignedIndex>,
     action: Vec<SignedIndex>,
+    tail: Vec<SignedIndex>,
 }
 
 /// What a row is to be.
@@ -243,10 +244,11 @@ impl<const N: usize> Relabeler<N> {
             SignedIndex::apply(&reflection.observation, after, mirrored_after);
             (before, after) = (mirrored_before, mirrored_after);
             SignedIndex::apply(&reflection.action, action, action_out);
-            let image = |position| reflection.position(position);
-            goal = goal.map(image);
-            simpler = simpler.map(|goal| goal.map(image));
-            (now, next) = (now.map(image), next.map(image));
+            let place = |position| reflection.position(position);
+            let tail = |tail: &Tail| SignedIndex::image(&reflection.tail, tail);
+            goal = goal.map(place, tail);
+            simpler = simpler.map(|goal| goal.map(place, tail));
+            (now, next) = (Achieved(now.0.map(place, tail)), Achieved(next.0.map(place, tail)));
         }
         let input = row * batch.input_dim..(row + 1) * batch.input_dim;
         encoder.write(before, &now, &goal, &mut batch.inputs[input.clone()]);
@@ -309,19 +311,12 @@ impl Reflection {
             mirrors: self.mirrors.iter().chain([mirror]).cloned().collect(),
             observation: SignedIndex::then(&self.observation, &mirror.observation),
             action: SignedIndex::then(&self.action, &mirror.action),
+            tail: SignedIndex::then(&self.tail, &mirror.tail),
         }
     }
 
     #[inline]
     fn position(&self, position: Position) -> Position {
         self.mirrors.iter().fold(position, |position, mirror| mirror.position(position))
-    }
-}
-
-impl<const N: usize> Achieved<N> {
-    /// The same scene with every position passed through `map`: how a scene is mirrored.
-    fn map(&self, map: impl Fn(Position) -> Position) -> Self {
-        let Scene { gripper, objects } = self.0;
-        Self(Scene { gripper: map(gripper), objects: objects.map(map) })
     }
 }

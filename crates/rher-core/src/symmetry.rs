@@ -1,6 +1,6 @@
 //! Symmetries of a scene: mirror images, and objects that may trade names.
 
-use crate::goal::Position;
+use crate::goal::{Position, Tail};
 use serde::{Deserialize, Serialize};
 
 /// A plane of symmetry, perpendicular to one world axis: every episode has a mirror image that
@@ -21,6 +21,7 @@ use serde::{Deserialize, Serialize};
 ///         SignedIndex { from: 0, sign: 1.0, offset: 0.0 },
 ///         SignedIndex { from: 1, sign: -1.0, offset: 0.0 },
 ///     ],
+///     tail: Vec::new(),
 /// };
 /// assert_eq!(mirror.position(Position::new(0.3, 0.5, 0.0)), Position::new(0.3, 1.0, 0.0));
 /// ```
@@ -34,6 +35,9 @@ pub struct Mirror {
     pub observation: Vec<SignedIndex>,
     /// One entry for each number of an action.
     pub action: Vec<SignedIndex>,
+    /// One entry for each number that goals say of an object beside its position; none where they
+    /// say nothing.
+    pub tail: Vec<SignedIndex>,
 }
 
 /// Interchangeable objects in another order: every episode in which they trade names obeys the same
@@ -78,14 +82,21 @@ pub struct SignedIndex {
 
 impl Mirror {
     /// Checks its dimensions and ranges, and that it is its own inverse.
-    pub(crate) fn check(&self, obs_dim: usize, action_dim: usize) -> Result<(), Problem> {
+    pub(crate) fn check(
+        &self,
+        obs_dim: usize,
+        action_dim: usize,
+        tail: usize,
+    ) -> Result<(), Problem> {
         if self.axis > 2 || !self.center.is_finite() {
             let found = format!("axis {} at {} m", self.axis, self.center);
             return Err(Problem::new(found, "axis 0, 1 or 2 at a finite place"));
         }
-        for (vector, entries, length) in
-            [("observation", &self.observation, obs_dim), ("action", &self.action, action_dim)]
-        {
+        for (vector, entries, length) in [
+            ("observation", &self.observation, obs_dim),
+            ("action", &self.action, action_dim),
+            ("tail", &self.tail, tail),
+        ] {
             SignedIndex::check(vector, entries, length)?;
             let is_undone = |(index, entry): (usize, &SignedIndex)| {
                 let back = entries[entry.from];
@@ -184,6 +195,14 @@ impl SignedIndex {
     #[inline]
     pub fn of(&self, original: &[f32]) -> f32 {
         self.sign * original[self.from] + self.offset
+    }
+
+    /// The image of the first numbers of a tail, as many as there are `images`.
+    pub(crate) fn image(images: &[Self], tail: &Tail) -> Tail {
+        let mut image = *tail;
+        let width = images.len();
+        Self::apply(images, &tail[..width], &mut image[..width]);
+        image
     }
 
     /// Writes the image of `original` to `image`; all three are equally long.

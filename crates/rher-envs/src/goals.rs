@@ -48,8 +48,8 @@ impl RewardKind {
     ) -> f32 {
         let scene = match spec.last_stage().leg() {
             // What is to be reached stays where it is.
-            Leg::Reach => Scene { gripper: achieved[0], objects: desired },
-            Leg::Place => Scene { gripper: Position::origin(), objects: achieved },
+            Leg::Reach => Scene::new(achieved[0], desired),
+            Leg::Place => Scene::new(Position::origin(), achieved),
         };
         self.of_scene(spec, &Achieved(scene), &Desired::of_task(desired))
     }

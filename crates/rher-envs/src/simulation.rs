@@ -141,7 +141,7 @@ impl<S: Scenario<N>, const N: usize> Simulation<S, N> {
             scenario.observe(&layout, &world, &mut reflections);
             let (observation, action) =
                 (reflections.into_vec(), mirrored_action(axis, S::ACTION_WIDTH));
-            Mirror { axis, center, observation, action }
+            Mirror { axis, center, observation, action, tail: Vec::new() }
         };
         let behind = S::FRONT_LIKE_BACK.then(|| mirror(0, world.grip().position.x));
         let mirrors: Vec<_> = iter::once(mirror(1, MIDDLE)).chain(behind).collect();
@@ -168,7 +168,7 @@ impl<S: Scenario<N>, const N: usize> Simulation<S, N> {
             observation_units: units,
             action_units: action_units(&world, S::ACTION_WIDTH),
         };
-        let names = Names { objects, observation, action };
+        let names = Names { objects, observation, action, tail: Vec::new() };
         let spec = EnvSpec {
             name: S::NAME.to_owned(),
             variant: options.to_string(),
@@ -176,7 +176,10 @@ impl<S: Scenario<N>, const N: usize> Simulation<S, N> {
             action_dim: S::ACTION_WIDTH,
             episode_steps: S::EPISODE_STEPS,
             subtasks: S::SUBTASKS,
-            tolerances: Tolerances { gripper: S::REACH_TOLERANCE, objects: [S::TOLERANCE; N] },
+            tolerances: Tolerances {
+                gripper: S::REACH_TOLERANCE,
+                ..Tolerances::uniform(S::TOLERANCE)
+            },
             mirrors,
             permutations,
             any_order: S::ANY_ORDER,
@@ -212,7 +215,7 @@ fn achieved<S: Scenario<N>, const N: usize>(
     layout: &Layout<N>,
     world: &World,
 ) -> Achieved<N> {
-    Achieved(Scene { gripper: scenario.gripper(world), objects: scenario.objects(layout, world) })
+    Achieved(Scene::new(scenario.gripper(world), scenario.objects(layout, world)))
 }
 
 /// Makes an episode of a fresh world.

@@ -83,7 +83,7 @@ impl<const N: usize> Foreign<N> {
         let [gripper] = positions::<1>(&observation[self.gripper..]);
         // What is to be reached stays where it is.
         let objects = if self.is_reach { desired } else { positions(&self.seen.achieved) };
-        (Achieved(Scene { gripper, objects }), Desired::of_task(desired))
+        (Achieved(Scene::new(gripper, objects)), Desired::of_task(desired))
     }
 }
 

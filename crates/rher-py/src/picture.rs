@@ -26,7 +26,7 @@ impl Painter {
         achieved: [Position; N],
         desired: &Desired<N>,
     ) -> Result<Image, EnvError> {
-        let now = Achieved(Scene { gripper: achieved[0], objects: achieved });
+        let now = Achieved(Scene::new(achieved[0], achieved));
         let camera = if let Some(camera) = self.camera {
             camera
         } else {

@@ -286,7 +286,7 @@ impl Policy {
                 ));
             }
         };
-        let scene = Achieved(Scene { gripper: at(self.places.gripper), objects });
+        let scene = Achieved(Scene::new(at(self.places.gripper), objects));
         Ok((scene, Desired::of_task(desired)))
     }
 

@@ -158,7 +158,7 @@ impl<const N: usize> Relay<N> {
                 step,
                 stage: self.stage(now, desired).index() + 1,
                 success: goal.is_met(now, &tolerances),
-                distance: final_distance(self.last, now, desired),
+                distance: final_distance(self.last, now, desired, &tolerances),
                 distances: pairs.map(|(a, b)| nalgebra::distance(a, b)).collect(),
                 reward,
                 sum,

@@ -106,7 +106,7 @@ impl EnvVisitor for PlayAll<'_> {
         let Self { trained, args, stop } = self;
         let policy = &trained.policy;
         let mut env = build();
-        policy.info().check_spec(env.spec())?;
+        policy.check_spec(env.spec())?;
         let reach_distance = policy.info().reach_distance;
         let info = RecordingInfo::new(env.spec(), Source::Policy, args.seed, reach_distance);
         let mut player = Player::new(build(), reach_distance);

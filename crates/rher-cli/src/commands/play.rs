@@ -34,7 +34,7 @@ impl EnvVisitor for Play<'_> {
     fn visit<const N: usize, E: Simulated<N>>(self, build: impl Fn() -> E + Sync) -> Self::Output {
         let Self { trained, args, printer } = self;
         let env = build();
-        trained.policy.info().check_spec(env.spec())?;
+        trained.policy.check_spec(env.spec())?;
         let reach_distance = trained.policy.info().reach_distance;
         let mut info = RecordingInfo::new(env.spec(), Source::Policy, args.seed, reach_distance);
         trained.describe(&mut info)?;
@@ -101,7 +101,7 @@ fn play_all<const N: usize, E: Simulated<N>>(
         let played = play_episode(&mut env, policy, stage, test_policy, seed, number)?;
         show(number, &played)?;
         let [success, steps] = success(&played, &tolerances);
-        lines.add_row([number.to_string(), success, distance(&played), steps]);
+        lines.add_row([number.to_string(), success, distance(&played, &tolerances), steps]);
     }
     Ok(text(&lines))
 }
@@ -115,7 +115,10 @@ fn success<const N: usize>(played: &Played<N>, tolerances: &Tolerances<N>) -> [S
     }
 }
 
-fn distance<const N: usize>(Played { stage, episode, .. }: &Played<N>) -> String {
+fn distance<const N: usize>(
+    Played { stage, episode, .. }: &Played<N>,
+    tolerances: &Tolerances<N>,
+) -> String {
     let end = &episode.achieved[episode.achieved.len() - 1];
-    format!("{:.1} cm", 100.0 * final_distance(*stage, end, &episode.desired))
+    format!("{:.1} cm", 100.0 * final_distance(*stage, end, &episode.desired, tolerances))
 }

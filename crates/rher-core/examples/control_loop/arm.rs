@@ -106,7 +106,7 @@ impl Arm for SimulatedArm {
 
     fn read(&mut self) -> Option<Reading> {
         self.readings += 1;
-        let scene = Achieved(Scene { gripper: self.hand, objects: [Position::origin()] });
+        let scene = Achieved(Scene::new(self.hand, [Position::origin()]));
         let mut observation = vec![0.1; self.obs_dim];
         let mut taken = self.now;
         match self.fault {

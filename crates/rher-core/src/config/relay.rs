@@ -140,7 +140,6 @@ fn relay_order() -> ObjectOrder {
 impl RelayConfig {
     /// The tolerances of training in environments like `spec`.
     pub fn tolerances<const N: usize>(&self, spec: &EnvSpec<N>) -> Tolerances<N> {
-        let Tolerances { gripper, objects } = spec.tolerances;
-        Tolerances { gripper, objects: objects.map(|tolerance| self.tolerance * tolerance) }
+        spec.tolerances.scaled(self.tolerance)
     }
 }

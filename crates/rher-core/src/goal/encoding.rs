@@ -1,6 +1,8 @@
 //! The slot rule: which goal each sub-task sees.
 
+use super::tail::{Tail, Tails};
 use super::{Achieved, Desired, Leg, Position, Stage};
+use std::array;
 
 /// One entry of an encoded goal: a position, or a blank that tells sub-tasks apart.
 pub type Slot = Option<Position>;
@@ -13,13 +15,15 @@ pub type Slot = Option<Position>;
 /// | place *i* | blank    | their targets  | its target  | stay          |
 ///
 /// In hindsight (eq. 9) the targets, and the gripper's goal, are what was reached later.
+/// What is asked for of an object beside its position is a tail of its slot: it comes from where the
+/// position comes from, and is blank with it.
 /// The fields are private: this is the only place where the rule is applied.
 ///
 /// ```
 /// use rher_core::{Achieved, Desired, EncodedGoal, Position, Scene, Stage, Tolerances};
 ///
 /// let (block, target) = (Position::new(0.3, 0.0, 0.0), Position::new(0.4, 0.0, 0.0));
-/// let now = Achieved(Scene { gripper: Position::origin(), objects: [block] });
+/// let now = Achieved(Scene::new(Position::origin(), [block]));
 /// let goal = EncodedGoal::new(Stage::place(0), &now, &Desired::of_task([target]));
 /// assert_eq!((goal.gripper(), goal.objects()), (None, &[Some(target)]));
 /// assert_eq!(goal.reward(&now, &Tolerances::uniform(0.05)), -1.0);
@@ -28,6 +32,8 @@ pub type Slot = Option<Position>;
 pub struct EncodedGoal<const N: usize> {
     gripper: Slot,
     objects: [Slot; N],
+    /// Those of blank slots mean nothing.
+    tails: Tails<N>,
     last: usize,
 }
 
@@ -39,18 +45,21 @@ impl<const N: usize> EncodedGoal<N> {
     /// `now`.
     pub fn new(stage: Stage<N>, now: &Achieved<N>, desired: &Desired<N>) -> Self {
         let object = stage.object();
-        let mut objects = desired.later_objects(now).map(Some);
+        let (later_objects, later_tails) = desired.later_objects(now);
+        let mut objects = later_objects.map(Some);
+        let tails = desired.tails().before(object + 1, &later_tails);
         for (slot, target) in objects[..object].iter_mut().zip(desired.objects()) {
             *slot = Some(*target);
         }
         match stage.leg() {
             Leg::Reach => {
                 objects[object] = None;
-                Self { gripper: Some(desired.gripper_at(object, now)), objects, last: object }
+                let gripper = Some(desired.gripper_at(object, now));
+                Self { gripper, objects, tails, last: object }
             }
             Leg::Place => {
                 objects[object] = Some(desired.objects()[object]);
-                Self { gripper: None, objects, last: object }
+                Self { gripper: None, objects, tails, last: object }
             }
         }
     }
@@ -70,17 +79,35 @@ impl<const N: usize> EncodedGoal<N> {
         &self.objects
     }
 
+    /// What is asked for of an object beside its position, if its slot is not blank.
+    pub(crate) fn tail(&self, object: usize) -> &Tail {
+        self.tails.of_object(object)
+    }
+
     /// The last object that the sub-task is about, counted from 0.
     pub(crate) fn last(&self) -> usize {
         self.last
     }
 
-    /// The same goal with every position passed through `map`: how a scene is mirrored.
+    /// The same goal, in which objects stay where they are `now`: for goals without positions.
     #[must_use]
-    pub fn map(&self, map: impl Fn(Position) -> Position) -> Self {
+    pub(crate) fn staying(&self, now: &Achieved<N>) -> Self {
+        let stays = |object: usize| self.objects[object].map(|_| now.0.objects[object]);
+        Self { objects: array::from_fn(stays), ..*self }
+    }
+
+    /// The same goal with every position and every tail passed through these: how a scene is
+    /// mirrored.
+    #[must_use]
+    pub(crate) fn map(
+        &self,
+        position: impl Fn(Position) -> Position,
+        tail: impl Fn(&Tail) -> Tail,
+    ) -> Self {
         Self {
-            gripper: self.gripper.map(&map),
-            objects: self.objects.map(|slot| slot.map(&map)),
+            gripper: self.gripper.map(&position),
+            objects: self.objects.map(|slot| slot.map(&position)),
+            tails: self.tails.map(tail),
             last: self.last,
         }
     }

@@ -10,13 +10,19 @@ pub const SUCCESS: f32 = 0.0;
 pub const FAILURE: f32 = -1.0;
 
 impl<const N: usize> EncodedGoal<N> {
-    /// Whether every slot that is not blank is within its tolerance.
+    /// Whether every slot that is not blank is met: its position and every part of its tail are within
+    /// their tolerances.
     pub fn is_met(&self, achieved: &Achieved<N>, tolerances: &Tolerances<N>) -> bool {
         let scene = &achieved.0;
-        let reached = std::iter::once(&scene.gripper).chain(&scene.objects);
-        self.slots().zip(reached).zip(tolerances.by_slot()).all(|((slot, reached), tolerance)| {
-            slot.is_none_or(|wanted| is_within(&wanted, reached, tolerance))
-        })
+        let is_reached = self
+            .gripper()
+            .is_none_or(|wanted| is_within(&wanted, &scene.gripper, tolerances.gripper));
+        is_reached
+            && self.objects().iter().enumerate().all(|(object, slot)| {
+                slot.is_none_or(|wanted| {
+                    tolerances.is_there(object, (&wanted, self.tail(object)), scene)
+                })
+            })
     }
 
     /// The sparse reward of a step that ended at `achieved`: [`SUCCESS`] or [`FAILURE`].

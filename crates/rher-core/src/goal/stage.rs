@@ -111,7 +111,7 @@ impl<const N: usize> Stage<N> {
         reach_distance: f32,
     ) -> Self {
         let scene = &achieved.0;
-        let placed = |i: &usize| tolerances.placed(*i, &scene.objects[*i], &desired.objects()[*i]);
+        let placed = |i: &usize| tolerances.placed(*i, achieved, desired);
         let object = (0..N - 1).find(|i| !placed(i)).unwrap_or(N - 1);
         let reached = is_within(&scene.gripper, &scene.objects[object], reach_distance);
         Self { object, leg: if reached { Leg::Place } else { Leg::Reach } }

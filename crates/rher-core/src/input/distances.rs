@@ -73,7 +73,7 @@ mod tests {
     #[test]
     fn every_order_of_a_scene_has_its_distances() {
         let at = |x| Position::new(x, 0.0, 0.0);
-        let start = Achieved(Scene { gripper: at(0.0), objects: [at(1.0), at(3.0)] });
+        let start = Achieved(Scene::new(at(0.0), [at(1.0), at(3.0)]));
         let desired = Desired::of_task([at(2.0), at(7.0)]);
         let meters = |order: &[usize]| -> Vec<f64> {
             let both = features(&start, &desired, order, 1.0);

@@ -6,7 +6,7 @@ use super::order::OrderModel;
 use super::turns::{self, Turns};
 use crate::config::{GoalFrame, ObjectOrder, RelayConfig};
 use crate::env::EnvSpec;
-use crate::goal::{Achieved, EncodedGoal, Position};
+use crate::goal::{Achieved, EncodedGoal, Position, TAIL_INPUTS, Tail, TailSpec};
 #[cfg(feature = "train")]
 use crate::names::Names;
 use serde::{Deserialize, Serialize};
@@ -20,7 +20,8 @@ use std::iter;
 /// # Shapes
 ///
 /// `[observation ‖ 3 (N + 1)]` with absolute goals, `[observation ‖ 3 (N + 1) ‖ N + 1]` with
-/// relative ones, whose blanks are told by a flag for each slot. With
+/// relative ones, whose blanks are told by a flag for each slot. Where goals are more than positions,
+/// the three numbers of an object's slot are followed by those of its tail. With
 /// [`fine_scale`](RelayConfig::fine_scale) the near distances come after these. With
 /// [`ObjectOrder::Turn`] the objects come in the order of their turns, in all of it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -28,6 +29,9 @@ pub struct InputEncoder {
     frame: GoalFrame,
     observation: Normalizer,
     slots: Vec<Normalizer>,
+    /// What the slots of objects hold beside positions.
+    #[serde(default, with = "crate::since_6", skip_serializing_if = "TailSpec::is_none")]
+    tail: TailSpec,
     #[serde(default)]
     turns: Option<Turns>,
     #[serde(default, with = "crate::since_6")]
@@ -46,7 +50,8 @@ impl InputEncoder {
         Self {
             frame: config.goal_frame,
             observation: Normalizer::new(spec.obs_dim),
-            slots: vec![Normalizer::new(3); N + 1],
+            slots: (0..=N).map(|slot| Normalizer::new(width(slot, &tolerances.tail))).collect(),
+            tail: tolerances.tail,
             turns: turns.flatten(),
             fine_scale: config.fine_scale.then(|| FineScale::new(&tolerances)),
             order: None,
@@ -66,8 +71,18 @@ impl InputEncoder {
 
     /// Numbers in a row.
     pub fn width(&self) -> usize {
-        let fine_scale = self.fine_scale.as_ref().map_or(0, FineScale::width);
-        self.observation.width() + 3 * self.slots.len() + self.flags() + fine_scale
+        let fine_scale = self.fine_scale.as_ref().map_or(0, |it| it.width(&self.tail));
+        self.observation.width() + self.goal() + self.flags() + fine_scale
+    }
+
+    /// Numbers in all slots.
+    fn goal(&self) -> usize {
+        3 * self.slots.len() + self.tail.inputs() * self.objects()
+    }
+
+    /// What the slots of objects hold beside positions.
+    pub(crate) fn tail(&self) -> &TailSpec {
+        &self.tail
     }
 
     /// Slots whose blanks are told by a flag.
@@ -86,10 +101,15 @@ impl InputEncoder {
         let slots = || iter::once("gripper").chain(names.objects.iter().map(String::as_str));
         let of_slot = |slot| ["x", "y", "z"].map(|axis| format!("goal.{slot}.{axis}"));
         let mut list = names.observation.clone();
-        list.extend(slots().flat_map(of_slot));
+        list.extend(of_slot("gripper"));
+        for object in &names.objects {
+            list.extend(of_slot(object));
+            let inputs = self.tail.input_names(&names.tail);
+            list.extend(inputs.iter().map(|input| format!("goal.{object}.{input}")));
+        }
         list.extend(slots().take(self.flags()).map(|slot| format!("goal.{slot}.blank")));
         if self.fine_scale.is_some() {
-            list.extend(FineScale::names(&names.objects));
+            list.extend(FineScale::names(&names.objects, &names.tail));
         }
         debug_assert_eq!(list.len(), self.width());
         list
@@ -123,7 +143,8 @@ impl InputEncoder {
         if !self.observation.is_consistent(self.observation.width()) {
             return wrong("its observations");
         }
-        if !self.slots.iter().all(|slot| slot.is_consistent(3)) {
+        let mut slots = self.slots.iter().enumerate();
+        if !slots.all(|(slot, statistics)| statistics.is_consistent(width(slot, &self.tail))) {
             return wrong("its goals");
         }
         if !self.turns.as_ref().is_none_or(|it| it.fits(self.observation(), self.objects())) {
@@ -157,6 +178,7 @@ impl InputEncoder {
 
     /// Takes the slots of a goal that are not blank into the statistics.
     pub fn observe_goal<const N: usize>(&mut self, now: &Achieved<N>, goal: &EncodedGoal<N>) {
+        let goal = self.seen(now, goal);
         for (index, (slot, place)) in goal.slots().zip(now.0.places()).enumerate() {
             let alike = match self.turns {
                 Some(_) if index > 0 => 1..N + 1,
@@ -164,7 +186,13 @@ impl InputEncoder {
             };
             if let Some(wanted) = slot {
                 let seen = in_frame(self.frame, wanted, place);
-                self.slots[alike].iter_mut().for_each(|statistics| statistics.observe(seen));
+                let mut tail = [0.0; TAIL_INPUTS];
+                if let Some(object) = index.checked_sub(1) {
+                    self.write_tail(goal.tail(object), now.0.tails.of_object(object), &mut tail);
+                }
+                for statistics in &mut self.slots[alike] {
+                    statistics.observe(seen.into_iter().chain(tail));
+                }
             }
         }
     }
@@ -184,6 +212,7 @@ impl InputEncoder {
         row: &mut [f32],
     ) {
         debug_assert_eq!(row.len(), self.width());
+        let goal = &self.seen(now, goal);
         let (head, tail) = row.split_at_mut(self.observation.width());
         let first = match &self.turns {
             None => {
@@ -191,12 +220,12 @@ impl InputEncoder {
                 0
             }
             Some(turns) => {
-                let first = turns.first(now, goal);
+                let first = turns.first(now, goal, &self.tail);
                 self.observation.apply(turns.observation(first, observation), head);
                 first
             }
         };
-        let (positions, tail) = tail.split_at_mut(3 * self.slots.len());
+        let (mut slots_out, tail) = tail.split_at_mut(self.goal());
         let (flags, near) = tail.split_at_mut(self.flags());
         let blank = match self.frame {
             GoalFrame::Absolute => -CLIP,
@@ -204,21 +233,51 @@ impl InputEncoder {
         };
         let order = turns::order::<N>(first);
         if let Some(fine_scale) = &self.fine_scale {
-            fine_scale.write(now, goal, order, near);
+            fine_scale.write(now, goal, &self.tail, order, near);
         }
-        let in_turn = order.map(|object| (goal.objects()[object], now.0.objects[object]));
-        let slots = iter::once((goal.gripper(), now.0.gripper)).chain(in_turn);
-        for (index, (slot, place)) in slots.enumerate() {
-            let out = &mut positions[3 * index..3 * (index + 1)];
-            match slot {
-                Some(wanted) => self.slots[index].apply(in_frame(self.frame, wanted, place), out),
-                None => out.fill(blank),
+        let in_turn = order.map(|object| {
+            let tails = (goal.tail(object), now.0.tails.of_object(object));
+            (goal.objects()[object], now.0.objects[object], Some(tails))
+        });
+        let slots = iter::once((goal.gripper(), now.0.gripper, None)).chain(in_turn);
+        for (index, (slot, place, tails)) in slots.enumerate() {
+            let statistics = &self.slots[index];
+            let (out, others) = slots_out.split_at_mut(statistics.width());
+            slots_out = others;
+            match (slot, tails) {
+                (None, _) => out.fill(blank),
+                (Some(wanted), Some((tail, reached))) if !self.tail.is_none() => {
+                    let mut inputs = [0.0; TAIL_INPUTS];
+                    self.write_tail(tail, reached, &mut inputs);
+                    let seen = in_frame(self.frame, wanted, place).into_iter().chain(inputs);
+                    statistics.apply(seen, out);
+                }
+                (Some(wanted), _) => statistics.apply(in_frame(self.frame, wanted, place), out),
             }
             if let Some(flag) = flags.get_mut(index) {
                 *flag = f32::from(u8::from(slot.is_none()));
             }
         }
     }
+
+    /// The goal as the networks see it: where goals have no positions, objects stay where they are.
+    #[inline]
+    fn seen<const N: usize>(&self, now: &Achieved<N>, goal: &EncodedGoal<N>) -> EncodedGoal<N> {
+        if self.tail.has_positions() { *goal } else { goal.staying(now) }
+    }
+
+    /// Writes what the networks see of a tail that is wanted, before it is normalized.
+    fn write_tail(&self, wanted: &Tail, reached: &Tail, inputs: &mut [f32]) {
+        match self.frame {
+            GoalFrame::Absolute => self.tail.encode(wanted, None, inputs),
+            GoalFrame::Relative => self.tail.encode(wanted, Some(reached), inputs),
+        }
+    }
+}
+
+/// Numbers of a slot: a position, and what else goals say of an object.
+fn width(slot: usize, tail: &TailSpec) -> usize {
+    if slot == 0 { 3 } else { 3 + tail.inputs() }
 }
 
 #[inline]

@@ -1,7 +1,7 @@
 //! Whose turn it is: the order in which the networks see objects that are alike.
 
 use crate::env::{EnvSpec, SignedIndex};
-use crate::goal::{Achieved, EncodedGoal, Tolerances, is_within};
+use crate::goal::{Achieved, EncodedGoal, TailSpec, Tolerances};
 use serde::{Deserialize, Serialize};
 use std::{array, iter};
 
@@ -54,10 +54,19 @@ impl Turns {
 
     /// The object whose turn it is: the first that `goal` wants somewhere else than where it is
     /// `now`, and otherwise the last that the sub-task is about.
-    pub(crate) fn first<const N: usize>(&self, now: &Achieved<N>, goal: &EncodedGoal<N>) -> usize {
-        let earlier = goal.objects().iter().take(goal.last()).zip(&now.0.objects);
-        let mut misplaced = earlier.zip(&self.tolerances).map(|((slot, place), tolerance)| {
-            slot.is_some_and(|wanted| !is_within(&wanted, place, *tolerance))
+    pub(crate) fn first<const N: usize>(
+        &self,
+        now: &Achieved<N>,
+        goal: &EncodedGoal<N>,
+        tail: &TailSpec,
+    ) -> usize {
+        let scene = &now.0;
+        let earlier = self.tolerances.iter().enumerate().take(goal.last());
+        let mut misplaced = earlier.map(|(object, tolerance)| {
+            let reached = (&scene.objects[object], scene.tails.of_object(object));
+            goal.objects()[object].is_some_and(|wanted| {
+                !tail.is_there(*tolerance, (&wanted, goal.tail(object)), reached)
+            })
         });
         misplaced.position(|misplaced| misplaced).unwrap_or(goal.last())
     }

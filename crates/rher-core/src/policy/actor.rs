@@ -71,7 +71,7 @@ pub struct Actor<'a, const N: usize> {
 
 impl<'a, const N: usize> Actor<'a, N> {
     fn new(policy: Cow<'a, Policy>, spec: &EnvSpec<N>) -> Result<Self, Mismatch> {
-        policy.info.check_spec(spec)?;
+        policy.check_spec(spec)?;
         Ok(Actor {
             task: policy.info.last_stage()?,
             order: None,
@@ -171,7 +171,9 @@ fn check_scene<const N: usize>(
     desired: &Desired<N>,
 ) -> Result<(), ActError> {
     check_positions("achieved", achieved.0.places())?;
-    check_positions("desired", desired.objects().iter().copied())
+    check_positions("desired", desired.objects().iter().copied())?;
+    check_numbers("achieved tails", achieved.0.tails.all())?;
+    check_numbers("desired tails", desired.tails().all())
 }
 
 fn check_positions(

@@ -191,7 +191,8 @@ impl Policy {
             ));
         }
         let Interface { names, control } = &**interface;
-        let of_names = names.check(info.objects, info.obs_dim, info.action_dim);
+        let of_names =
+            names.check(info.objects, info.obs_dim, info.action_dim, encoder.tail().parts().len());
         if let Err((field, found, expected)) =
             of_names.and(control.check(info.obs_dim, info.action_dim))
         {

@@ -45,15 +45,11 @@ impl PolicyInfo {
     pub fn last_stage<const N: usize>(&self) -> Result<Stage<N>, Mismatch> {
         check("objects", self.objects, N)?;
         let last = self.subtasks.checked_sub(1).and_then(Stage::from_index);
-        last.ok_or(Mismatch { field: "sub-tasks", expected: self.subtasks, given: 2 * N })
+        last.ok_or_else(|| Mismatch::new("sub-tasks", self.subtasks, 2 * N))
     }
 
-    /// Whether environments like `spec` are what the policy was trained for.
-    ///
-    /// # Errors
-    ///
-    /// When the number of objects or a dimension differs.
-    pub fn check_spec<const N: usize>(&self, spec: &EnvSpec<N>) -> Result<(), Mismatch> {
+    /// Whether environments like `spec` have its number of objects and its dimensions.
+    pub(super) fn check_spec<const N: usize>(&self, spec: &EnvSpec<N>) -> Result<(), Mismatch> {
         check("objects", self.objects, N)?;
         check("obs_dim", self.obs_dim, spec.obs_dim)?;
         check("action_dim", self.action_dim, spec.action_dim)?;
@@ -71,11 +67,17 @@ pub struct Mismatch {
     /// What differs, such as `obs_dim`.
     pub field: &'static str,
     /// Its value in the policy.
-    pub expected: usize,
+    pub expected: String,
     /// Its value in the environment.
-    pub given: usize,
+    pub given: String,
+}
+
+impl Mismatch {
+    pub(super) fn new(field: &'static str, expected: impl ToString, given: impl ToString) -> Self {
+        Self { field, expected: expected.to_string(), given: given.to_string() }
+    }
 }
 
 fn check(field: &'static str, expected: usize, given: usize) -> Result<(), Mismatch> {
-    if expected == given { Ok(()) } else { Err(Mismatch { field, expected, given }) }
+    if expected == given { Ok(()) } else { Err(Mismatch::new(field, expected, given)) }
 }

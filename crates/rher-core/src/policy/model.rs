@@ -1,9 +1,10 @@
 //! The frozen policy.
 
-use super::info::PolicyInfo;
+use super::info::{Mismatch, PolicyInfo};
 use super::run_id::RunId;
 use crate::control::Control;
 use crate::env::EnvSpec;
+use crate::goal::TailSpec;
 use crate::input::InputEncoder;
 use crate::learner::network::Shape;
 use crate::names::Names;
@@ -24,7 +25,7 @@ use std::sync::Arc;
 /// // What the robot's sensors say, and where the block should go.
 /// let (observation, mut action) = ([0.0; 25], [0.0; 4]);
 /// let block = Position::new(1.3, 0.7, 0.42);
-/// let scene = Achieved(Scene { gripper: Position::new(1.3, 0.7, 0.5), objects: [block] });
+/// let scene = Achieved(Scene::new(Position::new(1.3, 0.7, 0.5), [block]));
 /// let desired = Desired::of_task([Position::new(1.4, 0.8, 0.42)]);
 /// actor.act(actor.task(), &observation, &scene, &desired, &mut action)?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -91,6 +92,25 @@ impl Policy {
     /// What it was trained for.
     pub fn info(&self) -> &PolicyInfo {
         &self.info
+    }
+
+    /// What its goals say of an object beside its position.
+    pub fn tail(&self) -> &TailSpec {
+        self.encoder.tail()
+    }
+
+    /// Whether environments like `spec` are what it was trained for.
+    ///
+    /// # Errors
+    ///
+    /// When the number of objects, a dimension, or what goals say of an object differs.
+    pub fn check_spec<const N: usize>(&self, spec: &EnvSpec<N>) -> Result<(), Mismatch> {
+        self.info.check_spec(spec)?;
+        let (ours, theirs) = (self.tail(), &spec.tolerances.tail);
+        if ours.means_the_same(theirs) {
+            return Ok(());
+        }
+        Err(Mismatch::new("the goal of an object", ours, theirs))
     }
 
     /// The run that it is of; `None` where it is of none, and in files of earlier versions.

@@ -3,9 +3,9 @@
 use super::prefetch::{CACHE_LINE, prefetch};
 use crate::env::EnvSpec;
 use crate::episode::Episode;
-use crate::goal::{Achieved, Desired, Position, Scene};
+use crate::goal::{Achieved, Desired, Scene};
 use rand::{Rng, RngExt as _};
-use std::array;
+use std::ops::Range;
 
 /// A ring of whole episodes, frame by frame; the oldest episode makes room for the newest.
 ///
@@ -15,13 +15,17 @@ use std::array;
 pub struct Replay<const N: usize> {
     observation: usize,
     action: usize,
+    /// Numbers of an object's tail.
+    tail: usize,
     steps: usize,
     capacity: usize,
     pushed: u64,
-    /// `[episodes, T + 1, observation ‖ scene ‖ action]`: a step is read in one place. The last
-    /// frame of an episode has no action.
+    /// `[episodes, T + 1, observation ‖ positions ‖ tails ‖ action]`: a step is read in one place.
+    /// The last frame of an episode has no action.
     frames: Vec<f32>,
-    desired: Vec<Desired<N>>,
+    /// `[episodes, positions ‖ tails]`.
+    desired: Vec<f32>,
+    stored: usize,
 }
 
 /// One step of a stored episode.
@@ -38,15 +42,10 @@ impl<const N: usize> Replay<N> {
     pub fn new(spec: &EnvSpec<N>, transitions: usize) -> Self {
         let EnvSpec { obs_dim: observation, action_dim: action, episode_steps: steps, .. } = *spec;
         let capacity = (transitions / steps).max(1);
-        Self {
-            observation,
-            action,
-            steps,
-            capacity,
-            pushed: 0,
-            frames: Vec::with_capacity(capacity * (steps + 1) * width::<N>(observation, action)),
-            desired: Vec::with_capacity(capacity),
-        }
+        let tail = spec.tolerances.tail.numbers();
+        let frames = Vec::with_capacity(capacity * (steps + 1) * frame_width(spec));
+        let desired = Vec::with_capacity(capacity * Desired::<N>::width(tail));
+        Self { observation, action, tail, steps, capacity, pushed: 0, frames, desired, stored: 0 }
     }
 
     /// A replay into which `pushed` episodes were stored before; `read` gets the ones that fit,
@@ -78,9 +77,15 @@ impl<const N: usize> Replay<N> {
         self.steps
     }
 
+    /// Numbers of an object's tail.
+    #[cfg(feature = "train")]
+    pub(crate) fn tail(&self) -> usize {
+        self.tail
+    }
+
     /// Episodes that are stored.
     pub fn episodes(&self) -> usize {
-        self.desired.len()
+        self.stored
     }
 
     /// Episodes that were ever stored, those that made room included.
@@ -99,21 +104,24 @@ impl<const N: usize> Replay<N> {
         assert_eq!(observations.len(), (self.steps + 1) * self.observation, "observations");
         assert_eq!(actions.len(), self.steps * self.action, "actions");
         let slot = (self.pushed % self.capacity as u64) as usize;
-        if slot == self.episodes() {
-            self.desired.push(*desired);
-            self.frames.resize(self.frames.len() + (self.steps + 1) * self.width(), 0.0);
-        } else {
-            self.desired[slot] = *desired;
+        if slot == self.stored {
+            self.stored += 1;
+            self.desired.resize(self.stored * Desired::<N>::width(self.tail), 0.0);
+            self.frames.resize(self.stored * (self.steps + 1) * self.width(), 0.0);
+        }
+        let goal = self.goal(slot);
+        for (stored, number) in self.desired[goal].iter_mut().zip(desired.numbers(self.tail)) {
+            *stored = number;
         }
         let Self { observation: seen, action: acted, .. } = *self;
         let (start, width) = (self.start(StepIndex { slot, step: 0 }), self.width());
         let frames = self.frames[start..].chunks_exact_mut(width);
         for (step, (frame, scene)) in frames.zip(achieved).enumerate() {
             let (head, tail) = frame.split_at_mut(seen);
-            let (places, action) = tail.split_at_mut(3 * (N + 1));
+            let (numbers, action) = tail.split_at_mut(Scene::<N>::width(self.tail));
             head.copy_from_slice(&observations[step * seen..(step + 1) * seen]);
-            for (place, position) in places.chunks_exact_mut(3).zip(scene.0.places()) {
-                place.copy_from_slice(position.coords.as_slice());
+            for (stored, number) in numbers.iter_mut().zip(scene.0.numbers(self.tail)) {
+                *stored = number;
             }
             if step < self.steps {
                 action.copy_from_slice(&actions[step * acted..(step + 1) * acted]);
@@ -142,19 +150,19 @@ impl<const N: usize> Replay<N> {
     pub fn newest_ends(
         &self,
         count: usize,
-    ) -> impl Iterator<Item = ([Achieved<N>; 2], &Desired<N>)> {
+    ) -> impl Iterator<Item = ([Achieved<N>; 2], Desired<N>)> {
         assert!(count <= self.episodes(), "{count} of {} episodes", self.episodes());
         (self.pushed - count as u64..self.pushed).map(|index| {
             let slot = (index % self.capacity as u64) as usize;
             let ends = [0, self.steps].map(|step| self.scene(StepIndex { slot, step }));
-            (ends, &self.desired[slot])
+            (ends, self.desired(slot))
         })
     }
 
     fn episode(&self, slot: usize) -> Episode<N> {
         let frames = || (0..=self.steps).map(move |step| StepIndex { slot, step });
         Episode {
-            desired: self.desired[slot],
+            desired: self.desired(slot),
             observations: frames().flat_map(|index| self.observation(index)).copied().collect(),
             achieved: frames().map(|index| self.scene(index)).collect(),
             actions: frames()
@@ -176,8 +184,8 @@ impl<const N: usize> Replay<N> {
     }
 
     /// What the task asked for in an episode.
-    pub fn desired(&self, slot: usize) -> &Desired<N> {
-        &self.desired[slot]
+    pub fn desired(&self, slot: usize) -> Desired<N> {
+        Desired::read(&self.desired[self.goal(slot)], self.tail)
     }
 
     /// The observation at a step, 0 to T.
@@ -189,11 +197,8 @@ impl<const N: usize> Replay<N> {
     /// The scene at a step, 0 to T.
     pub fn scene(&self, index: StepIndex) -> Achieved<N> {
         let start = self.start(index) + self.observation;
-        let numbers = &self.frames[start..start + 3 * (N + 1)];
-        let place = |thing: usize| {
-            Position::new(numbers[3 * thing], numbers[3 * thing + 1], numbers[3 * thing + 2])
-        };
-        Achieved(Scene { gripper: place(0), objects: array::from_fn(|object| place(object + 1)) })
+        let end = start + Scene::<N>::width(self.tail);
+        Achieved(Scene::read(&self.frames[start..end], self.tail))
     }
 
     /// The action of a step, 0 to T − 1.
@@ -213,13 +218,19 @@ impl<const N: usize> Replay<N> {
             Some(step) => {
                 prefetch(&self.frames[self.start(StepIndex { slot, step }) + self.observation]);
             }
-            None => prefetch(&self.desired[slot]),
+            None => prefetch(&self.desired[self.goal(slot).start]),
         }
     }
 
     /// Numbers in a frame.
     fn width(&self) -> usize {
-        width::<N>(self.observation, self.action)
+        self.observation + Scene::<N>::width(self.tail) + self.action
+    }
+
+    /// Where the goal of an episode is.
+    fn goal(&self, slot: usize) -> Range<usize> {
+        let width = Desired::<N>::width(self.tail);
+        slot * width..(slot + 1) * width
     }
 
     /// Where a frame begins.
@@ -228,7 +239,7 @@ impl<const N: usize> Replay<N> {
     }
 }
 
-/// Numbers in a frame: an observation, the places of the gripper and of `N` objects, an action.
-fn width<const N: usize>(observation: usize, action: usize) -> usize {
-    observation + 3 * (N + 1) + action
+/// Numbers in a frame of the replay of environments like `spec`: an observation, a scene, an action.
+pub(crate) fn frame_width<const N: usize>(spec: &EnvSpec<N>) -> usize {
+    spec.obs_dim + Scene::<N>::width(spec.tolerances.tail.numbers()) + spec.action_dim
 }

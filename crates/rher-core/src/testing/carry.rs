@@ -26,10 +26,7 @@ impl Carry {
     /// The environment, before its first episode.
     pub fn new() -> Self {
         let origin = Position::origin();
-        Self {
-            spec: EnvSpec::new("carry", 2, 2, 20),
-            scene: Scene { gripper: origin, objects: [origin] },
-        }
+        Self { spec: EnvSpec::new("carry", 2, 2, 20), scene: Scene::new(origin, [origin]) }
     }
 
     fn observe(&self, observation: &mut [f32]) -> Achieved<1> {
@@ -52,13 +49,13 @@ impl Env<1> for Carry {
     fn reset(&mut self, seed: u64, observation: &mut [f32]) -> Result<Start<1>, EnvError> {
         let mut rng = Seed(seed).stream(Purpose::Environment, 0);
         let mut place = || Position::new(rng.random(), 0.0, 0.0);
-        self.scene = Scene { gripper: place(), objects: [place()] };
+        self.scene = Scene::new(place(), [place()]);
         let desired = Desired::of_task([place()]);
         Ok(Start { achieved: self.observe(observation), desired })
     }
 
     fn step(&mut self, action: &[f32], observation: &mut [f32]) -> Result<Achieved<1>, EnvError> {
-        let Scene { gripper: hand, objects: [block] } = &mut self.scene;
+        let Scene { gripper: hand, objects: [block], .. } = &mut self.scene;
         let carries = action[1] > 0.0 && (hand.x - block.x).abs() < 0.05;
         hand.x = (hand.x + 0.1 * action[0]).clamp(0.0, 1.0);
         if carries {

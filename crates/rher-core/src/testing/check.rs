@@ -1,7 +1,7 @@
 //! Checks of environments of your own, in one call.
 
 use crate::env::{Env, EnvError, EnvSpec, SignedIndex, SpecError, Start};
-use crate::goal::{Achieved, Desired, Position, Scene};
+use crate::goal::{Achieved, Desired, Position, Scene, TAIL_NUMBERS, Tails};
 use crate::seed::{Purpose, Seed};
 use rand::RngExt as _;
 use std::fmt;
@@ -42,13 +42,13 @@ const SYMMETRY_TOLERANCE: f32 = 5e-3;
 /// #     fn reset(&mut self, seed: u64, observation: &mut [f32]) -> Result<Start<1>, EnvError> {
 /// #         observation[0] = seed as f32;
 /// #         let here = Position::new(seed as f32, 0.0, 0.0);
-/// #         let achieved = Achieved(Scene { gripper: here, objects: [here] });
+/// #         let achieved = Achieved(Scene::new(here, [here]));
 /// #         Ok(Start { achieved, desired: Desired::of_task([here]) })
 /// #     }
 /// #     fn step(&mut self, action: &[f32], observation: &mut [f32]) -> Result<Achieved<1>, EnvError> {
 /// #         observation[0] = action[0];
 /// #         let here = Position::new(action[0], 0.0, 0.0);
-/// #         Ok(Achieved(Scene { gripper: here, objects: [here] }))
+/// #         Ok(Achieved(Scene::new(here, [here])))
 /// #     }
 /// # }
 /// let checked = check_env(Arm::new)?;
@@ -220,10 +220,10 @@ fn frame<const N: usize>(
         return not_finite(format!("observation[{index}]"));
     }
     if !scene.is_finite() {
-        return not_finite("an achieved position".to_owned());
+        return not_finite("an achieved position or tail".to_owned());
     }
-    let positions = scene.places().flat_map(|place| [place.x, place.y, place.z]);
-    Ok(observation.iter().copied().chain(positions).map(f32::to_bits).collect())
+    let scene = scene.numbers(TAIL_NUMBERS);
+    Ok(observation.iter().copied().chain(scene).map(f32::to_bits).collect())
 }
 
 /// One symmetry, whatever its kind.
@@ -234,19 +234,24 @@ struct Symmetry<'a, const N: usize> {
     observation: &'a [SignedIndex],
     /// None where actions stay the same.
     action: Option<&'a [SignedIndex]>,
+    tail: &'a [SignedIndex],
 }
 
 impl<const N: usize> Symmetry<'_, N> {
     fn start(&self, start: &Start<N>) -> Start<N> {
-        let image =
-            |positions: [Position; N]| self.order.map(|object| (self.position)(positions[object]));
-        let Achieved(Scene { gripper, objects }) = start.achieved;
+        let places =
+            |positions: &[Position; N]| self.order.map(|object| (self.position)(positions[object]));
+        let tails = |tails: &Tails<N>| {
+            let image = |tail: &_| SignedIndex::image(self.tail, tail);
+            tails.reordered(&self.order).map(image)
+        };
+        let (achieved, desired) = (&start.achieved.0, &start.desired);
+        let gripper = (self.position)(achieved.gripper);
+        let scene = Scene::new(gripper, places(&achieved.objects));
+        let desired_tails = tails(desired.tails());
         Start {
-            achieved: Achieved(Scene {
-                gripper: (self.position)(gripper),
-                objects: image(objects),
-            }),
-            desired: Desired::of_task(image(*start.desired.objects())),
+            achieved: Achieved(scene.with_tails(tails(&achieved.tails))),
+            desired: Desired::of_task(places(desired.objects())).with_tails(desired_tails),
         }
     }
 }
@@ -262,6 +267,7 @@ fn check_symmetries<const N: usize, E: Env<N>>(
         order: std::array::from_fn(|object| object),
         observation: &mirror.observation,
         action: Some(&mirror.action),
+        tail: &mirror.tail,
     });
     let permutations = spec.permutations.iter().enumerate().map(|(index, permutation)| Symmetry {
         name: format!("permutations[{index}]"),
@@ -269,6 +275,7 @@ fn check_symmetries<const N: usize, E: Env<N>>(
         order: permutation.order,
         observation: &permutation.observation,
         action: None,
+        tail: &[],
     });
     let mut compared = 0;
     for symmetry in mirrors.chain(permutations) {

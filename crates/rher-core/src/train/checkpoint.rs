@@ -21,9 +21,9 @@ use crate::config::TrainConfig;
 use crate::env::EnvSpec;
 use crate::episode::Episode;
 use crate::files::{self, FileError};
-use crate::goal::{Achieved, Desired, Position, Scene};
+use crate::goal::{Achieved, Desired, Scene, TailSpec};
 use crate::learner::state::{LearnerState, Trained};
-use crate::policy::{Critic, RunId};
+use crate::policy::{Critic, PolicyInfo, RunId};
 use crate::replay::Replay;
 use serde::Deserialize;
 use std::fs::{File, OpenOptions};
@@ -247,23 +247,31 @@ pub(super) fn read_replay<const N: usize>(
     state: &RunState,
     spec: &EnvSpec<N>,
 ) -> Result<Replay<N>, CheckpointError> {
-    let name = |task: &str, variant: &str, objects, observation, action| {
+    let name = |task: &str, variant: &str, objects, observation, action, tail: &TailSpec| {
         let variant = if variant.is_empty() { String::new() } else { format!(" ({variant})") };
+        let tail = if tail.is_none() { String::new() } else { format!(" and goals of {tail}") };
         format!(
             "`{task}`{variant} with {objects} objects, observations of {observation} and actions \
-             of {action}"
+             of {action}{tail}"
         )
     };
     let info = &state.info;
-    let expected = name(&info.task, &info.variant, info.objects, info.obs_dim, info.action_dim);
-    let found = name(&spec.name, &spec.variant, N, spec.obs_dim, spec.action_dim);
-    if expected != found {
+    let PolicyInfo { task, variant, objects, obs_dim, action_dim, .. } = info;
+    let expected = name(task, variant, *objects, *obs_dim, *action_dim, state.encoder.tail());
+    let EnvSpec { name: task, variant, obs_dim, action_dim, tolerances, .. } = spec;
+    let found = name(task, variant, N, *obs_dim, *action_dim, &tolerances.tail);
+    let same_goals = state.encoder.tail().means_the_same(&spec.tolerances.tail);
+    if expected != found || !same_goals {
         return Err(CheckpointError::Mismatch { expected, found });
     }
     let run = run_id(&state.config, &state.info.variant);
     let folder = folder.join(CHECKPOINT_FOLDER);
-    let layout =
-        Layout { observation: spec.obs_dim, action: spec.action_dim, steps: spec.episode_steps };
+    let layout = Layout {
+        observation: spec.obs_dim,
+        action: spec.action_dim,
+        tail: spec.tolerances.tail.numbers(),
+        steps: spec.episode_steps,
+    };
     let mut open: Option<(u64, File)> = None;
     Replay::restore(spec, state.config.replay.capacity, state.episodes, |index| {
         let part = index / EPISODES_PER_FILE;
@@ -314,7 +322,7 @@ fn append_episodes<const N: usize>(
             open = Some((part, path.clone(), file.map_err(FileError::write(&path))?));
         }
         if let Some((_, path, file)) = &mut open {
-            encode(run, index, &episode, &mut record);
+            encode(run, index, &episode, replay.tail(), &mut record);
             file.seek(SeekFrom::Start((index % EPISODES_PER_FILE) * record.len() as u64))
                 .and_then(|_| file.write_all(&record))
                 .map_err(FileError::write(path))?;
@@ -352,13 +360,15 @@ fn episodes_file(folder: &Path, part: u64) -> PathBuf {
 struct Layout {
     observation: usize,
     action: usize,
+    /// Of one object.
+    tail: usize,
     steps: usize,
 }
 
 impl Layout {
     fn record<const N: usize>(&self) -> usize {
-        let frames = (self.steps + 1) * (self.observation + 3 * (N + 1));
-        8 + 4 * (3 * N + frames + self.steps * self.action) + 4
+        let frames = (self.steps + 1) * (self.observation + Scene::<N>::width(self.tail));
+        8 + 4 * (Desired::<N>::width(self.tail) + frames + self.steps * self.action) + 4
     }
 
     fn decode<const N: usize>(
@@ -377,16 +387,19 @@ impl Layout {
         if number != index.to_le_bytes() {
             return Err("its place holds another episode".to_owned());
         }
-        let mut floats = floats.as_chunks::<4>().0.iter().map(|bytes| f32::from_le_bytes(*bytes));
-        let mut next = || floats.next().unwrap_or(f32::NAN);
-        let mut position = || Position::new(next(), next(), next());
-        let desired = Desired::of_task([(); N].map(|()| position()));
-        let achieved = (0..=self.steps)
-            .map(|_| Achieved(Scene { gripper: position(), objects: [(); N].map(|()| position()) }))
-            .collect();
-        let observations = (0..(self.steps + 1) * self.observation).map(|_| next()).collect();
-        let actions = (0..self.steps * self.action).map(|_| next()).collect();
-        Ok(Episode { desired, observations, achieved, actions })
+        let floats = floats.as_chunks::<4>().0.iter().map(|bytes| f32::from_le_bytes(*bytes));
+        let floats: Vec<f32> = floats.collect();
+        let (goal, floats) = floats.split_at(Desired::<N>::width(self.tail));
+        let scene = Scene::<N>::width(self.tail);
+        let (scenes, floats) = floats.split_at((self.steps + 1) * scene);
+        let (observations, actions) = floats.split_at((self.steps + 1) * self.observation);
+        let scenes = scenes.chunks_exact(scene);
+        Ok(Episode {
+            desired: Desired::read(goal, self.tail),
+            observations: observations.to_vec(),
+            achieved: scenes.map(|scene| Achieved(Scene::read(scene, self.tail))).collect(),
+            actions: actions.to_vec(),
+        })
     }
 }
 
@@ -398,17 +411,19 @@ fn checksum(run: RunId, body: &[u8]) -> u32 {
     hasher.finalize()
 }
 
-fn encode<const N: usize>(run: RunId, index: u64, episode: &Episode<N>, record: &mut Vec<u8>) {
+fn encode<const N: usize>(
+    run: RunId,
+    index: u64,
+    episode: &Episode<N>,
+    tail: usize,
+    record: &mut Vec<u8>,
+) {
     let Episode { desired, observations, achieved, actions } = episode;
     record.clear();
     record.extend(index.to_le_bytes());
-    let scenes = achieved
-        .iter()
-        .flat_map(|Achieved(scene)| std::iter::once(scene.gripper).chain(scene.objects));
-    let positions = desired.objects().iter().copied().chain(scenes);
-    let floats = positions
-        .flat_map(|position| <[f32; 3]>::from(position.coords))
-        .chain(observations.iter().chain(actions).copied());
+    let scenes = achieved.iter().flat_map(|Achieved(scene)| scene.numbers(tail));
+    let seen_and_done = observations.iter().chain(actions).copied();
+    let floats = desired.numbers(tail).chain(scenes).chain(seen_and_done);
     record.extend(floats.flat_map(f32::to_le_bytes));
     record.extend(checksum(run, record).to_le_bytes());
 }

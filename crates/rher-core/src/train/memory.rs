@@ -4,6 +4,7 @@ use crate::config::{Method, TrainConfig};
 use crate::env::EnvSpec;
 use crate::goal::Desired;
 use crate::input::InputEncoder;
+use crate::replay::frame_width;
 use std::fmt;
 
 /// A run needs more memory than there is.
@@ -60,8 +61,8 @@ pub fn needed<const N: usize>(config: &TrainConfig, spec: &EnvSpec<N>) -> Memory
     let times = |a: u64, b: u64| a.saturating_mul(b);
 
     let steps = wide(spec.episode_steps).max(1);
-    let frame = wide(spec.obs_dim) + 3 * (wide(N) + 1) + wide(spec.action_dim);
-    let episode = NUMBER * (steps + 1) * frame + wide(size_of::<Desired<N>>());
+    let goal = Desired::<N>::width(spec.tolerances.tail.numbers());
+    let episode = NUMBER * ((steps + 1) * wide(frame_width(spec)) + wide(goal));
     let replay = times((wide(config.replay.capacity) / steps).max(1), episode);
 
     let (input, action) =

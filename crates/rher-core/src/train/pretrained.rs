@@ -116,6 +116,17 @@ pub enum Unfit {
         /// Names in the new task.
         expected: String,
     },
+    /// Goals say something else of an object.
+    #[error(
+        "its goals are of {found}, expected {expected} as in the new task; start from a run of a task \
+         with the same goals"
+    )]
+    OtherGoals {
+        /// What they say in the run to start from.
+        found: String,
+        /// What they say in the new task.
+        expected: String,
+    },
     /// A setting must be the same and is not.
     #[error(
         "its `{key}` is {found}, expected {expected} as in the new run; set it to {found} there, or \
@@ -161,7 +172,8 @@ impl Pretrained {
         })?;
         let PolicyInfo { objects, obs_dim, action_dim, .. } = state.info;
         // Those of another version of the environment say nothing.
-        let fit = |names: &Names| names.check(objects, obs_dim, action_dim).is_ok();
+        let parts = state.encoder.tail().parts().len();
+        let fit = |names: &Names| names.check(objects, obs_dim, action_dim, parts).is_ok();
         let names = Some(names(&state.info)).filter(fit).unwrap_or_default();
         let read = Self { folder: folder.to_owned(), state, learner, names };
         read.check_itself().map_err(|reason| read.unfit(reason))?;
@@ -185,8 +197,11 @@ impl Pretrained {
     ) -> Result<LearnerState, PretrainedError> {
         self.check(config, spec).map_err(|reason| self.unfit(reason))?;
         let PolicyInfo { objects, obs_dim, action_dim, .. } = self.state.info;
-        let known = self.names.or_numbers(objects, obs_dim, action_dim);
-        let new = spec.names.or_numbers(N, spec.obs_dim, spec.action_dim);
+        let parts = spec.tolerances.tail.parts().len();
+        let new = spec.names.or_numbers(N, spec.obs_dim, spec.action_dim, parts);
+        // The parts of both tails are the same, whatever they are called.
+        let known = Names { tail: new.tail.clone(), ..self.names.clone() }
+            .or_numbers(objects, obs_dim, action_dim, parts);
         let statistics = new.observation.iter().map(|name| similar(name, &new, &known));
         encoder.inherit(&self.state.encoder, &statistics.collect::<Vec<_>>());
         let known_inputs = self.state.encoder.names(&known);
@@ -229,6 +244,11 @@ impl Pretrained {
                 let expected = environment(&spec.name, new, &spec.names);
                 return Err(Unfit::Unnamed { found, expected });
             }
+        }
+        let [found, expected] = [self.state.encoder.tail(), &spec.tolerances.tail];
+        if !found.means_the_same(expected) {
+            let [found, expected] = [found, expected].map(ToString::to_string);
+            return Err(Unfit::OtherGoals { found, expected });
         }
         for ((key, found), (_, expected)) in
             must_be_same(&self.state.config).zip(must_be_same(config))
@@ -332,12 +352,10 @@ mod tests {
             "block1.from_block2.x",
         ];
         let observation = list(&observation);
-        let known = Names { objects: list(&["block1", "block2"]), observation, action: vec![] };
-        let new = Names {
-            objects: list(&["block1", "block2", "puck3"]),
-            observation: vec![],
-            action: vec![],
-        };
+        let objects = list(&["block1", "block2"]);
+        let known = Names { objects, observation, ..Names::default() };
+        let objects = list(&["block1", "block2", "puck3"]);
+        let new = Names { objects, ..Names::default() };
         let cases = [
             // Itself, also where its numbers are there once more.
             ("block2.position.x", Some(3)),

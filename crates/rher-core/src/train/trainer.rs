@@ -545,8 +545,8 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
         let latest = self.replay.newest_ends(self.replay.episodes().min(ORDER_EPISODES));
         let attempts = latest.map(|([start, end], desired)| Attempt {
             start,
-            desired: *desired,
-            success: EncodedGoal::new(spec.last_stage(), &end, desired)
+            desired,
+            success: EncodedGoal::new(spec.last_stage(), &end, &desired)
                 .is_met(&end, &spec.tolerances),
         });
         let order = OrderModel::fit(spec, attempts);
