@@ -248,6 +248,11 @@ pub use train::{Finish, Pretrained, TrainError, Trainer, run_id};
 /// The crate whose points are [`Position`]s.
 pub use nalgebra;
 
+/// The code of the page on robots is compiled and run.
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/robots.md")]
+struct Robots;
+
 /// The code of the tour is compiled and run.
 #[cfg(all(doctest, feature = "fused"))]
 #[doc = include_str!("../../../docs/tour.md")]
