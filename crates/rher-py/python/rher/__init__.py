@@ -22,6 +22,7 @@ from rher.errors import (
     RherError,
     SettingsError,
     StateError,
+    TrackerError,
     TrainError,
 )
 from rher.run import Run
@@ -50,6 +51,7 @@ __all__ = [
     "Taken",
     "TaskEnv",
     "TaskVectorEnv",
+    "TrackerError",
     "TrainError",
     "Trainer",
     "__version__",

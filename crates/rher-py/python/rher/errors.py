@@ -13,6 +13,7 @@ __all__ = [
     "RherError",
     "SettingsError",
     "StateError",
+    "TrackerError",
     "TrainError",
 ]
 
@@ -51,6 +52,10 @@ class TrainError(RherError, RuntimeError):
 
 class ClusterError(RherError, RuntimeError):
     """Ray is not installed, or its cluster cannot be reached."""
+
+
+class TrackerError(RherError, RuntimeError):
+    """A tracker of experiments cannot be reached, or refuses a run."""
 
 
 class MissingError(RherError, ImportError):

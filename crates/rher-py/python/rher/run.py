@@ -60,6 +60,13 @@ class Run:
         are ``(evaluations, parts)``; what was not measured is NaN. ``docs/metrics.md`` says what
         each of them means.
         """
+        rows = self._rows()
+        # The identity of the run and the checksum of the line are no metrics.
+        keys = [key for key in (rows[0] if rows else ()) if key not in ("run", "crc32")]
+        return {key: np.array([_number(row.get(key)) for row in rows]) for key in keys}
+
+    def _rows(self) -> list[dict[str, Any]]:
+        """The evaluations as they are written, with dotted keys."""
         path = self.path / "metrics.jsonl"
         try:
             written = path.read_text()
@@ -68,12 +75,9 @@ class Run:
         # A run that is being written may end in a part of a line.
         lines = written[: written.rfind("\n") + 1].splitlines()
         try:
-            rows = [_flat(json.loads(line)) for line in lines]
+            return [_flat(json.loads(line)) for line in lines]
         except json.JSONDecodeError as error:
             raise FileError(f"`{path}` is damaged: {error}") from error
-        # The identity of the run and the checksum of the line are no metrics.
-        keys = [key for key in (rows[0] if rows else ()) if key not in ("run", "crc32")]
-        return {key: np.array([_number(row.get(key)) for row in rows]) for key in keys}
 
     def to_pandas(self) -> "pandas.DataFrame":
         """The metrics as a table of pandas, with a row for each evaluation.
