@@ -22,11 +22,13 @@ class WholeEpisodes(gymnasium.Wrapper[Any, Any, Any, Any]):
         return seen, reward, False, truncated, info
 
 
-def make(name: str, task: Task) -> gymnasium.Env[Any, Any]:
-    """The environment as its package registers it."""
+def make(name: str, task: Task, episode_steps: int | None = None) -> gymnasium.Env[Any, Any]:
+    """The environment as its package registers it, but for the steps of an episode."""
     module = importlib.import_module(task.package)
     gymnasium.register_envs(module)
-    return gymnasium.make(name, disable_env_checker=True, **task.make)
+    return gymnasium.make(
+        name, max_episode_steps=episode_steps, disable_env_checker=True, **task.make
+    )
 
 
 def judge(

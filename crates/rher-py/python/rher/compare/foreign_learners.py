@@ -32,7 +32,7 @@ def ours(name: str, task: Task, seed: int, out: Path, budget: float, episodes: i
             curve.append(clocks.read() | row)
 
     with rher.Trainer(
-        WholeEpisodes(make(name, task)),
+        WholeEpisodes(make(name, task, task.episode_steps)),
         objects=task.objects,
         gripper=slice(*task.gripper),
         tolerance=task.tolerance,
