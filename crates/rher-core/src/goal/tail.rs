@@ -279,7 +279,7 @@ impl TailSpec {
             match reached {
                 None => metric.encode(&wanted[place], of_part),
                 Some(reached) => {
-                    metric.encode_way(&wanted[place.clone()], &reached[place], of_part)
+                    metric.encode_way(&wanted[place.clone()], &reached[place], of_part);
                 }
             }
             inputs = others;

@@ -45,7 +45,7 @@ impl PolicyInfo {
     pub fn last_stage<const N: usize>(&self) -> Result<Stage<N>, Mismatch> {
         check("objects", self.objects, N)?;
         let last = self.subtasks.checked_sub(1).and_then(Stage::from_index);
-        last.ok_or_else(|| Mismatch::new("sub-tasks", self.subtasks, 2 * N))
+        last.ok_or_else(|| Mismatch::new("sub-tasks", &self.subtasks, &(2 * N)))
     }
 
     /// Whether environments like `spec` have its number of objects and its dimensions.
@@ -73,11 +73,15 @@ pub struct Mismatch {
 }
 
 impl Mismatch {
-    pub(super) fn new(field: &'static str, expected: impl ToString, given: impl ToString) -> Self {
+    pub(super) fn new(
+        field: &'static str,
+        expected: &impl ToString,
+        given: &impl ToString,
+    ) -> Self {
         Self { field, expected: expected.to_string(), given: given.to_string() }
     }
 }
 
 fn check(field: &'static str, expected: usize, given: usize) -> Result<(), Mismatch> {
-    if expected == given { Ok(()) } else { Err(Mismatch::new(field, expected, given)) }
+    if expected == given { Ok(()) } else { Err(Mismatch::new(field, &expected, &given)) }
 }
