@@ -1,15 +1,17 @@
 //! An environment that someone else wrote in Python, as the learner sees it.
 
-use crate::any_env::read as positions;
 use crate::arrays::read_as_is;
 use crate::error::{InputError, told};
+use crate::goals::{GoalLayout, position};
 use crate::places::Places;
 use numpy::PyArray1;
 use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use rher_core::Names;
 use rher_core::env::{Env, EnvError, EnvSpec, Start};
-use rher_core::goal::{Achieved, Desired, Scene, Tolerances};
+use rher_core::goal::{Achieved, Desired, Metric, Position, Scene, TailPart, TailSpec, Tolerances};
+use std::array;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// What Python says about its environment.
@@ -25,7 +27,36 @@ pub(crate) struct About {
     pub(crate) episode_steps: usize,
     /// In meters.
     pub(crate) tolerance: f32,
+    /// Whether goals say where objects should be.
+    pub(crate) has_positions: bool,
+    /// What else they say.
+    pub(crate) tail: Vec<Part>,
     pub(crate) places: Places,
+}
+
+/// What goals say of an object beside its position.
+#[derive(Clone, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Part {
+    name: String,
+    metric: Metric,
+    tolerance: f32,
+}
+
+impl About {
+    fn tail(&self) -> PyResult<TailSpec> {
+        let part = |Part { metric, tolerance, .. }: &Part| TailPart {
+            metric: *metric,
+            tolerance: *tolerance,
+        };
+        let parts: Vec<TailPart> = self.tail.iter().map(part).collect();
+        let spec = if self.has_positions {
+            TailSpec::beside_positions(&parts)
+        } else {
+            TailSpec::instead_of_positions(&parts)
+        };
+        spec.map_err(|error| InputError::new_err(format!("tail: {}", told(&error))))
+    }
 }
 
 /// The exception that an environment raised, which errors of the core cannot carry.
@@ -35,8 +66,8 @@ pub(crate) type Raised = Arc<Mutex<Option<PyErr>>>;
 pub(crate) struct Foreign<const N: usize> {
     env: Py<PyAny>,
     spec: EnvSpec<N>,
-    /// Where in an observation the gripper's position is.
-    gripper: usize,
+    places: Places,
+    layout: GoalLayout,
     /// Whether its goal is a place for the gripper.
     is_reach: bool,
     desired: Desired<N>,
@@ -62,28 +93,49 @@ enum ForeignError {
 
 impl<const N: usize> Foreign<N> {
     pub(crate) fn new(env: Py<PyAny>, about: &About, raised: Raised) -> PyResult<Self> {
-        let About { name, objects, observation, action, episode_steps, tolerance, places } = about;
+        let About { name, objects, observation, action, episode_steps, tolerance, .. } = about;
+        let (tail, places) = (about.tail()?, &about.places);
+        if !tail.has_positions() && places.objects.as_ref().is_none_or(|it| it.len() != N) {
+            return Err(InputError::new_err(format!(
+                "goals have no positions, so `positions` has to say where those of {N} objects are"
+            )));
+        }
         let variant = serde_json::to_string(places);
         let is_reach = *objects == 0;
         let spec = EnvSpec {
             variant: variant.map_err(|error| InputError::new_err(told(&error)))?,
             subtasks: if is_reach { 1 } else { 2 * N },
-            tolerances: Tolerances::uniform(*tolerance),
+            tolerances: Tolerances { tail, ..Tolerances::uniform(*tolerance) },
+            names: Names {
+                tail: about.tail.iter().map(|part| part.name.clone()).collect(),
+                ..Names::default()
+            },
             ..EnvSpec::new(name, *observation, *action, *episode_steps)
         };
-        let desired = Desired::of_task(positions(&vec![0.0; 3 * N]));
-        let gripper = places.gripper;
-        Ok(Self { env, spec, gripper, is_reach, desired, step: 0, seen: Seen::default(), raised })
+        let desired = Desired::of_task([Position::origin(); N]);
+        let (places, layout) = (places.clone(), GoalLayout { axes: 3, tail });
+        let (step, seen) = (0, Seen::default());
+        Ok(Self { env, spec, places, layout, is_reach, desired, step, seen, raised })
     }
 
     /// What Python returned last: the observation, and the goals.
     fn scene(&self, observation: &mut [f32]) -> (Achieved<N>, Desired<N>) {
-        observation.copy_from_slice(&self.seen.observation);
-        let desired = positions(&self.seen.desired);
-        let [gripper] = positions::<1>(&observation[self.gripper..]);
-        // What is to be reached stays where it is.
-        let objects = if self.is_reach { desired } else { positions(&self.seen.achieved) };
-        (Achieved(Scene::new(gripper, objects)), Desired::of_task(desired))
+        let Self { seen: Seen { observation: seen, achieved, desired }, places, layout, .. } = self;
+        observation.copy_from_slice(seen);
+        let at = |place: usize| position(&seen[place..], layout.axes);
+        let observed = || {
+            let places = places.objects.as_deref().unwrap_or_default();
+            array::from_fn(|object| at(places[object]))
+        };
+        let targets = layout.positions(desired);
+        let objects = match targets {
+            // What is to be reached stays where it is.
+            Some(targets) if self.is_reach => targets,
+            _ => layout.positions(achieved).unwrap_or_else(observed),
+        };
+        let scene = Scene::new(at(places.gripper), objects).with_tails(layout.tails(achieved));
+        let wanted = Desired::of_task(targets.unwrap_or(objects));
+        (Achieved(scene), wanted.with_tails(layout.tails(desired)))
     }
 }
 
@@ -119,12 +171,12 @@ impl<const N: usize> Env<N> for Foreign<N> {
     fn reset(&mut self, seed: u64, observation: &mut [f32]) -> Result<Start<N>, EnvError> {
         // Some environments take no larger seeds.
         let seed = seed & 0x7fff_ffff;
-        let Self { env, seen, raised, .. } = self;
+        let Self { env, seen, layout, raised, .. } = self;
         call(raised, |py| {
             let arguments = PyDict::new(py);
             arguments.set_item(intern!(py, "seed"), seed)?;
             let result = env.bind(py).call_method(intern!(py, "reset"), (), Some(&arguments))?;
-            seen.read(&result.get_item(0)?, observation.len(), 3 * N)
+            seen.read(&result.get_item(0)?, observation.len(), layout.width() * N)
         })?;
         let (achieved, desired) = self.scene(observation);
         (self.desired, self.step) = (desired, 0);
@@ -132,11 +184,11 @@ impl<const N: usize> Env<N> for Foreign<N> {
     }
 
     fn step(&mut self, action: &[f32], observation: &mut [f32]) -> Result<Achieved<N>, EnvError> {
-        let Self { env, seen, raised, .. } = self;
+        let Self { env, seen, layout, raised, .. } = self;
         let ended = call(raised, |py| {
             let action = PyArray1::from_slice(py, action);
             let result = env.bind(py).call_method1(intern!(py, "step"), (action,))?;
-            seen.read(&result.get_item(0)?, observation.len(), 3 * N)?;
+            seen.read(&result.get_item(0)?, observation.len(), layout.width() * N)?;
             Ok(result.get_item(2)?.is_truthy()? || result.get_item(3)?.is_truthy()?)
         })?;
         self.step += 1;

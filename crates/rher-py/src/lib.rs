@@ -14,6 +14,7 @@ mod command;
 mod env;
 mod error;
 mod foreign;
+mod goals;
 mod hindsight;
 mod made;
 mod picture;

@@ -1,14 +1,14 @@
 //! A trained policy, called from Python.
 
-use crate::any_env::read as positions;
 use crate::arrays::Rows;
 use crate::error::{FileError, InputError, InternalError, PolicyError, told, unlocked};
+use crate::goals::{GoalLayout, position};
 use crate::places::Places;
 use numpy::{PyArray1, PyArrayDyn, PyArrayMethods as _};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyMapping, PyTuple, PyType};
 use rher_core::env::EnvSpec;
-use rher_core::goal::{Achieved, Desired, Leg, Scene};
+use rher_core::goal::{Achieved, Desired, Leg, Scene, Tails};
 use rher_core::policy::{Policy as CorePolicy, PolicyError as CorePolicyError, PolicyInfo};
 use rher_envs::{Options, Task};
 use std::path::{Path, PathBuf};
@@ -135,7 +135,8 @@ impl Policy {
         if let Some(begun) = &self.begun
             && begun.goals.len() != given.goals.len()
         {
-            let [begun, given] = [begun, &given].map(|it| it.goals.len() / (3 * objects));
+            let width = self.layout().width() * objects;
+            let [begun, given] = [begun, &given].map(|it| it.goals.len() / width);
             return Err(InputError::new_err(format!(
                 "{given} rows, but {begun} episodes have begun: expected as many as `begin` was \
                  given"
@@ -248,7 +249,7 @@ impl Policy {
             ));
         };
         let goals_of = |what, goals: &Bound<'py, PyAny>| {
-            let goals = read(what, goals, 3 * objects)?;
+            let goals = read(what, goals, self.layout().width() * objects)?;
             if goals.batch != batch {
                 return Err(InputError::new_err(format!(
                     "observation has rows of shape {batch:?} and {what} of {:?}: expected the same",
@@ -262,6 +263,11 @@ impl Policy {
         Ok((batch, Given { observations, goals, achieved }))
     }
 
+    /// How its goals lie in arrays.
+    fn layout(&self) -> GoalLayout {
+        GoalLayout { axes: 3, tail: *self.frozen.tail() }
+    }
+
     /// What a row says: the scene, and what is asked for.
     fn scene<const N: usize>(
         &self,
@@ -271,29 +277,46 @@ impl Policy {
     ) -> PyResult<(Achieved<N>, Desired<N>)> {
         let obs_dim = self.frozen.info().obs_dim;
         let observation = &given.observations[row * obs_dim..(row + 1) * obs_dim];
-        let goal = row * 3 * N..(row + 1) * 3 * N;
-        let desired = positions::<N>(&given.goals[goal.clone()]);
-        let at = |place: usize| positions::<1>(&observation[place..place + 3])[0];
-        let objects = match (leg, &given.achieved, &self.places.objects) {
-            // What is to be reached stays where it is.
-            (Leg::Reach, _, _) => desired,
-            (Leg::Place, Some(achieved), _) => positions::<N>(&achieved[goal]),
-            (Leg::Place, None, Some(places)) => std::array::from_fn(|i| at(places[i])),
-            (Leg::Place, None, None) => {
-                return Err(InputError::new_err(
-                    "where the objects are is not in the observation: expected the dictionary \
-                     that the environment returns",
-                ));
-            }
+        let layout = self.layout();
+        let width = layout.width() * N;
+        let goal = row * width..(row + 1) * width;
+        let wanted = &given.goals[goal.clone()];
+        let reached = given.achieved.as_ref().map(|goals| &goals[goal]);
+        let at = |place: usize| position(&observation[place..], layout.axes);
+        let missing = |what| {
+            InputError::new_err(format!(
+                "{what} is not in the observation: expected the dictionary that the environment \
+                 returns"
+            ))
         };
-        let scene = Achieved(Scene::new(at(self.places.gripper), objects));
-        Ok((scene, Desired::of_task(desired)))
+        let targets = layout.positions::<N>(wanted);
+        let objects = match (leg, targets) {
+            // What is to be reached stays where it is.
+            (Leg::Reach, Some(targets)) => targets,
+            _ => match reached.and_then(|row| layout.positions(row)) {
+                Some(objects) => objects,
+                None => {
+                    let places = self.places.objects.as_ref();
+                    let places = places.ok_or_else(|| missing("where the objects are"))?;
+                    std::array::from_fn(|object| at(places[object]))
+                }
+            },
+        };
+        let tails = match reached {
+            Some(reached) => layout.tails(reached),
+            None if layout.tail.is_none() => Tails::default(),
+            None => return Err(missing("what the goal asks of the objects")),
+        };
+        let scene = Scene::new(at(self.places.gripper), objects).with_tails(tails);
+        let desired = Desired::of_task(targets.unwrap_or(objects));
+        Ok((Achieved(scene), desired.with_tails(layout.tails(wanted))))
     }
 
     /// The actions of the last sub-task, row by row.
     fn act<const N: usize>(&self, given: &Given) -> PyResult<Vec<f32>> {
         let PolicyInfo { obs_dim, action_dim, subtasks, .. } = *self.frozen.info();
-        let spec = EnvSpec::<N> { subtasks, ..EnvSpec::new("", obs_dim, action_dim, 1) };
+        let mut spec = EnvSpec::<N> { subtasks, ..EnvSpec::new("", obs_dim, action_dim, 1) };
+        spec.tolerances.tail = *self.frozen.tail();
         let unfit = |error| PolicyError::new_err(told(&error));
         let mut actor = self.frozen.actor(&spec).map_err(unfit)?;
         let stage = actor.task();

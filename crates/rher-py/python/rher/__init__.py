@@ -25,6 +25,7 @@ from rher.errors import (
     TrackerError,
     TrainError,
 )
+from rher.goals import Angle, Flag, Number, Quaternion
 from rher.run import Run
 from rher.step_log import StepLog, Taken
 from rher.trainer import Trainer
@@ -34,14 +35,18 @@ from rher.vector import TaskVectorEnv
 __all__ = [
     "DENSE_IDS",
     "IDS",
+    "Angle",
     "ClusterError",
     "EnvError",
     "FileError",
+    "Flag",
     "InputError",
     "InternalError",
     "MissingError",
+    "Number",
     "Policy",
     "PolicyError",
+    "Quaternion",
     "RherError",
     "Run",
     "SettingsError",

@@ -111,6 +111,11 @@ def read(path: Path) -> PolicyFile:
             norm = tensor(f"{prefix}.norm.scale"), tensor(f"{prefix}.norm.shift")
         return Layer(tensor(f"{prefix}.weight"), tensor(f"{prefix}.bias"), norm)
 
+    if "tail" in about["encoder"]:
+        raise PolicyError(
+            f"the goals of `{path}` say more of objects than where they should be, which cannot be "
+            "exported: expected a policy whose goals are positions"
+        )
     unknown = sorted(set(about["encoder"]) - _ENCODER)
     if unknown:
         raise PolicyError(

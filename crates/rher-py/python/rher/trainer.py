@@ -1,7 +1,7 @@
 """Training on your own environments."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import gymnasium
@@ -12,6 +12,8 @@ from rher import _rher
 from rher._arguments import path as as_path
 from rher._arguments import real, text, whole
 from rher.errors import EnvError, InputError
+from rher.goals import Tail
+from rher.goals import checked as checked_tail
 from rher.run import Run
 from rher.training import (
     Engine,
@@ -50,6 +52,12 @@ class Trainer:
     :param gripper: slice of ``observation`` that holds the position of the gripper, in meters.
     :param tolerance: distance below which a goal counts as reached, in meters; by default
         ``env.unwrapped.distance_threshold``, or 0.05 without one.
+    :param tail: what a goal says of each object after its three numbers of position, or instead of
+        them: a list of :class:`rher.Number`, :class:`rher.Angle`, :class:`rher.Quaternion` and
+        :class:`rher.Flag`, each with a tolerance. A goal is reached where every object is within
+        ``tolerance`` of its place and within the tolerance of every part.
+    :param positions: slices of ``observation`` that hold the position of each object, where goals
+        have none: the hand learns to reach an object before it learns to change it.
     :param episode_steps: number of steps of every episode; by default that of ``gymnasium.make``.
     :param name: name of the environment in the run and in its policy.
     :param seed: as in :func:`rher.train`, like the parameters that follow.
@@ -65,6 +73,8 @@ class Trainer:
         objects: int = 1,
         gripper: slice = slice(0, 3),
         tolerance: float | None = None,
+        tail: Sequence[Tail] = (),
+        positions: Sequence[slice] | None = None,
         episode_steps: int | None = None,
         name: str | None = None,
         seed: int = 1,
@@ -81,7 +91,9 @@ class Trainer:
         from_run: Path | None = None,
         resume: Path | None = None,
     ) -> None:
-        about = json.dumps(_about(env, objects, gripper, tolerance, episode_steps, name))
+        about = json.dumps(
+            _about(env, objects, gripper, tolerance, tail, positions, episode_steps, name)
+        )
         if resume is None:
             arguments = arguments_as_json(
                 seed=seed,
@@ -165,6 +177,8 @@ def _about(
     objects: int,
     gripper: slice,
     tolerance: float | None,
+    tail: Sequence[Tail],
+    positions: Sequence[slice] | None,
     episode_steps: int | None,
     name: str | None,
 ) -> dict[str, Any]:
@@ -182,9 +196,22 @@ def _about(
             f"Boxes {', '.join(keys)}"
         )
     width, *goals = (observation_space[key].shape[0] for key in keys)
-    goal = 3 * max(objects, 1)
-    if goals != [goal, goal]:
-        raise InputError(f"goals have {goals} numbers, expected {goal} each for objects={objects}")
+    parts = checked_tail(tail)
+    numbers = sum(part.numbers for part in tail)
+    if parts and objects == 0:
+        raise InputError(
+            "objects is 0 and tail is not empty, expected no tail where the goal is a place for the "
+            "gripper"
+        )
+    count = max(objects, 1)
+    has_positions = goals != [numbers * count] * 2 or not parts
+    goal = (3 + numbers) * count
+    if has_positions and goals != [goal, goal]:
+        instead = f", or {numbers * count} where goals have no positions" if parts else ""
+        raise InputError(
+            f"goals have {goals} numbers, expected {goal} each for objects={objects}"
+            + (f" and a tail of {numbers}{instead}" if parts else "")
+        )
     if not isinstance(action_space, spaces.Box) or len(action_space.shape) != 1:
         raise InputError(f"the action space is {action_space}, expected a one-dimensional Box")
     if not (np.all(action_space.low == -1) and np.all(action_space.high == 1)):
@@ -197,6 +224,17 @@ def _about(
     first, last, step = gripper.indices(width)
     if step != 1 or last - first != 3:
         raise InputError(f"gripper is {gripper}, expected three numbers of the {width} observed")
+    if has_positions and positions is not None:
+        raise InputError("positions is given, but goals have positions: leave it out")
+    if not has_positions and positions is None:
+        raise InputError(
+            f"goals have no positions, expected positions=[slice(...), ...]: {objects} slices of "
+            "observation that say where the objects are"
+        )
+    if positions is not None:
+        places: list[int] | None = _places(positions, objects, width)
+    else:
+        places = _find_objects(env, objects)
     if episode_steps is None:
         episode_steps = env.spec.max_episode_steps if env.spec is not None else None
     episode_steps = whole("episode_steps", episode_steps, 1, 2**31 - 1)
@@ -214,8 +252,27 @@ def _about(
         "action": action_space.shape[0],
         "episode_steps": episode_steps,
         "tolerance": tolerance,
-        "places": {"gripper": first, "objects": _find_objects(env, objects)},
+        "has_positions": has_positions,
+        "tail": parts,
+        "places": {"gripper": first, "objects": places},
     }
+
+
+def _places(positions: Sequence[slice], objects: int, width: int) -> list[int]:
+    """Where in observations the positions of the objects begin."""
+    places = []
+    for position in positions:
+        if not isinstance(position, slice):
+            raise InputError(f"positions has {position!r}, expected a slice such as slice(3, 6)")
+        first, last, step = position.indices(width)
+        if step != 1 or last - first != 3:
+            raise InputError(
+                f"positions has {position}, expected three numbers of the {width} observed"
+            )
+        places.append(first)
+    if len(places) != objects:
+        raise InputError(f"positions has {len(places)} slices, expected {objects}")
+    return places
 
 
 def _find_objects(env: gymnasium.Env[Any, Any], objects: int) -> list[int] | None:
@@ -231,7 +288,7 @@ def _find_objects(env: gymnasium.Env[Any, Any], objects: int) -> list[int] | Non
         except Exception as error:
             raise EnvError(f"the environment cannot be reset: {error}") from error
         observation = np.asarray(seen["observation"])
-        for index, position in enumerate(np.reshape(seen["achieved_goal"], (-1, 3))[:objects]):
+        for index, position in enumerate(np.reshape(seen["achieved_goal"], (max(objects, 1), -1))[:objects, :3]):
             windows = np.lib.stride_tricks.sliding_window_view(observation, 3)
             here = np.flatnonzero((windows == position).all(axis=1)).tolist()
             if seed == 0:
