@@ -1,5 +1,7 @@
 //! Laws of goals that are more than positions, for any number of objects.
 
+#![expect(clippy::disallowed_methods, reason = "what is compared is nearly the same anywhere")]
+
 use proptest::prelude::*;
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
@@ -335,7 +337,7 @@ impl<const N: usize> Knobs<N> {
         let mirror = Mirror {
             axis: 0,
             center: 0.0,
-            observation: (0..1 + 2 * N).map(flip).collect(),
+            observation: (0..=2 * N).map(flip).collect(),
             action: vec![flip(0), flip(1)],
             tail: vec![flip(0)],
         };
