@@ -242,6 +242,8 @@ pub use goal::{
 };
 pub use names::Names;
 pub use policy::{Actor, Mismatch, Policy, PolicyError, PolicyInfo, RunId};
+#[cfg(feature = "onnx")]
+pub use policy::{OnnxError, OnnxModel};
 #[cfg(feature = "train")]
 pub use train::{Finish, Pretrained, TrainError, Trainer, run_id};
 

@@ -178,6 +178,11 @@ impl SignedIndex {
         }
     }
 
+    /// The images of a vector of so many numbers that nothing changes.
+    pub(crate) fn none(length: usize) -> Vec<Self> {
+        (0..length).map(|from| Self { from, sign: 1.0, offset: 0.0 }).collect()
+    }
+
     /// The images under one symmetry and then another; no entries are no change.
     pub(crate) fn then(first: &[Self], second: &[Self]) -> Vec<Self> {
         let both = |second: &Self| match first.get(second.from) {

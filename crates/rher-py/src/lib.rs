@@ -17,6 +17,7 @@ mod foreign;
 mod goals;
 mod hindsight;
 mod made;
+mod onnx;
 mod picture;
 mod places;
 mod policy;
@@ -42,6 +43,8 @@ mod _rher {
     use super::hindsight::Hindsight;
     #[pymodule_export]
     use super::made::{subtasks, tasks};
+    #[pymodule_export]
+    use super::onnx::export_onnx;
     #[pymodule_export]
     use super::policy::Policy;
     #[pymodule_export]

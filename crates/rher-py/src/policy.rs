@@ -36,6 +36,11 @@ impl From<PolicyFailure> for PyErr {
 }
 
 impl Policy {
+    /// The policy itself.
+    pub(crate) fn frozen(&self) -> &CorePolicy {
+        &self.frozen
+    }
+
     /// A policy and the layout of its observations, which it may remember itself.
     pub(crate) fn new(policy: CorePolicy) -> PyResult<Self> {
         let PolicyInfo { task, variant, objects, .. } = policy.info();

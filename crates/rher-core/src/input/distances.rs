@@ -8,43 +8,74 @@ pub(super) fn count(objects: usize) -> usize {
     2 * (2 * objects + 3 * objects * objects.saturating_sub(1))
 }
 
-/// The distances that matter when the objects are brought to their targets in the order `order`,
-/// each in meters and once more as its nearness, 1 / (1 + (distance / `tolerance`)²).
+/// A place in a scene where an episode begins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Point {
+    /// The gripper's.
+    Gripper,
+    /// Where this object is.
+    Start(usize),
+    /// Where this object should be.
+    Target(usize),
+}
+
+/// A distance that matters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Way {
+    /// From one point to another.
+    Between(Point, Point),
+    /// From the straight line between two points to a third one.
+    ToLine { start: Point, end: Point, point: Point },
+}
+
+/// The distances that matter when the objects are brought to their targets in the order `order`.
 ///
 /// These are the legs of the way (from the gripper to the first object, from there to its target,
 /// from there to the second object, and so on), and for every pair of objects what may be in the
 /// way: from object to object, from target to target, from an object to another's target, and from
 /// the straight line that an object takes to where another one is at that time.
+pub(crate) fn ways(order: &[usize]) -> impl Iterator<Item = Way> {
+    let legs = order.iter().scan(Point::Gripper, |hand, &object| {
+        let (start, end) = (Point::Start(object), Point::Target(object));
+        Some([Way::Between(std::mem::replace(hand, end), start), Way::Between(start, end)])
+    });
+    let pairs = (0..order.len()).flat_map(move |this| {
+        let others = (0..order.len()).filter(move |other| *other != this);
+        others.flat_map(move |other| {
+            let [start, end] = [Point::Start, Point::Target].map(|at| at(order[this]));
+            let [others_start, others_end] =
+                [Point::Start, Point::Target].map(|at| at(order[other]));
+            let point = if other > this { others_start } else { others_end };
+            let beside = [Way::Between(start, others_end), Way::ToLine { start, end, point }];
+            let once = [Way::Between(start, others_start), Way::Between(end, others_end)];
+            beside.into_iter().chain(once.into_iter().filter(move |_| other > this))
+        })
+    });
+    legs.flatten().chain(pairs)
+}
+
+/// The [`ways`] of an order, each in meters and once more as its nearness,
+/// 1 / (1 + (distance / `tolerance`)²).
 pub(super) fn features<const N: usize>(
     start: &Achieved<N>,
     desired: &Desired<N>,
     order: &[usize],
     tolerance: f32,
 ) -> Vec<f64> {
-    let from: Vec<Position> = order.iter().map(|&object| start.0.objects[object]).collect();
-    let to: Vec<Position> = order.iter().map(|&object| desired.objects()[object]).collect();
-    let mut distances = Vec::with_capacity(count(N) / 2);
-    let mut hand = start.0.gripper;
-    for (from, to) in from.iter().zip(&to) {
-        distances.extend([distance(&hand, from), distance(from, to)]);
-        hand = *to;
-    }
-    for this in 0..order.len() {
-        for other in (0..order.len()).filter(|other| *other != this) {
-            let others_place = if other > this { from[other] } else { to[other] };
-            distances.push(distance(&from[this], &to[other]));
-            distances.push(distance_to_line(&from[this], &to[this], &others_place));
-            if other > this {
-                distances.push(distance(&from[this], &from[other]));
-                distances.push(distance(&to[this], &to[other]));
-            }
-        }
-    }
+    let at = |point: Point| match point {
+        Point::Gripper => start.0.gripper,
+        Point::Start(object) => start.0.objects[object],
+        Point::Target(object) => desired.objects()[object],
+    };
+    let distances = ways(order).map(|way| match way {
+        Way::Between(start, end) => distance(&at(start), &at(end)),
+        Way::ToLine { start, end, point } => distance_to_line(&at(start), &at(end), &at(point)),
+    });
     let nearness = |distance: f32| {
         let tolerances = f64::from(distance / tolerance);
         1.0 / (1.0 + tolerances * tolerances)
     };
-    let both = distances.iter().flat_map(|&distance| [f64::from(distance), nearness(distance)]);
+    let both = distances.flat_map(|distance| [f64::from(distance), nearness(distance)]);
     both.collect()
 }
 

@@ -24,21 +24,23 @@ use std::iter;
 /// the three numbers of an object's slot are followed by those of its tail. With
 /// [`fine_scale`](RelayConfig::fine_scale) the near distances come after these. With
 /// [`ObjectOrder::Turn`] the objects come in the order of their turns, in all of it.
+// What a newer version adds is not left out by reading past it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct InputEncoder {
-    frame: GoalFrame,
-    observation: Normalizer,
-    slots: Vec<Normalizer>,
+    pub(crate) frame: GoalFrame,
+    pub(crate) observation: Normalizer,
+    pub(crate) slots: Vec<Normalizer>,
     /// What the slots of objects hold beside positions.
     #[serde(default, with = "crate::since_6", skip_serializing_if = "TailSpec::is_none")]
-    tail: TailSpec,
+    pub(crate) tail: TailSpec,
     #[serde(default)]
-    turns: Option<Turns>,
+    pub(crate) turns: Option<Turns>,
     #[serde(default, with = "crate::since_6")]
-    fine_scale: Option<FineScale>,
+    pub(crate) fine_scale: Option<FineScale>,
     /// Which order of the objects is taken, where it has been learned.
     #[serde(default, with = "crate::since_6")]
-    order: Option<OrderModel>,
+    pub(crate) order: Option<OrderModel>,
 }
 
 impl InputEncoder {

@@ -6,10 +6,10 @@ use serde::{Deserialize, Serialize};
 use std::iter;
 
 /// Differences are clipped to ± this many tolerances.
-const NEAR: f32 = 2.0;
+pub(crate) const NEAR: f32 = 2.0;
 
 /// Distances are clipped to this many tolerances.
-const FAR: f32 = 3.0;
+pub(crate) const FAR: f32 = 3.0;
 
 /// What networks see of a scene in units of the tolerance, clipped to what is near.
 ///
@@ -24,9 +24,9 @@ const FAR: f32 = 3.0;
 /// difference to the gripper (3); for each object but the first its difference to the first (3); for
 /// each object and each of the P parts of its tail, how far beyond the tolerance it is (1).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct FineScale {
+pub(crate) struct FineScale {
     /// In meters, by slot.
-    tolerances: Vec<f32>,
+    pub(crate) tolerances: Vec<f32>,
 }
 
 impl FineScale {

@@ -50,6 +50,18 @@ impl Normalizer {
         self.mean.len()
     }
 
+    /// What is subtracted from each number.
+    #[cfg(feature = "onnx")]
+    pub(crate) fn mean(&self) -> &[f32] {
+        &self.mean
+    }
+
+    /// What each difference is multiplied with.
+    #[cfg(feature = "onnx")]
+    pub(crate) fn inverse_deviation(&self) -> &[f32] {
+        &self.inverse_deviation
+    }
+
     /// Statistics of other vectors: each of `numbers` is what the numbers of this one at that place
     /// were, or is unknown and passes through as it did with as many values of mean 0 and deviation
     /// 1.

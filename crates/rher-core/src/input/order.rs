@@ -16,18 +16,18 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct OrderModel {
     /// How near counts as placed, in meters.
-    tolerance: f32,
+    pub(crate) tolerance: f32,
     /// The orders besides the given one.
-    others: Vec<OtherOrder>,
+    pub(crate) others: Vec<OtherOrder>,
     /// Of each number of [`features`].
-    weights: Vec<f64>,
+    pub(crate) weights: Vec<f64>,
 }
 
 /// A [`Permutation`] of any number of objects.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-struct OtherOrder {
-    order: Vec<usize>,
-    observation: Vec<SignedIndex>,
+pub(crate) struct OtherOrder {
+    pub(crate) order: Vec<usize>,
+    pub(crate) observation: Vec<SignedIndex>,
 }
 
 /// How an episode of the whole task began, and whether it succeeded.

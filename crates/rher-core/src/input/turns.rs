@@ -13,9 +13,9 @@ use std::{array, iter};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Turns {
     /// How near counts as placed, in meters.
-    tolerances: Vec<f32>,
+    pub(crate) tolerances: Vec<f32>,
     /// For each object, what an observation is when that object comes first.
-    observations: Vec<Vec<SignedIndex>>,
+    pub(crate) observations: Vec<Vec<SignedIndex>>,
 }
 
 /// The objects in order of turn when `first` comes first.
@@ -32,8 +32,7 @@ impl Turns {
         let exchange = |first| spec.permutations.iter().find(|it| it.order == order(first));
         let others = (1..N).map(|first| exchange(first).map(|it| it.observation.clone()));
         let others = others.collect::<Option<Vec<_>>>().filter(|others| !others.is_empty())?;
-        let same = (0..spec.obs_dim).map(|from| SignedIndex { from, sign: 1.0, offset: 0.0 });
-        let observations = iter::once(same.collect()).chain(others).collect();
+        let observations = iter::once(SignedIndex::none(spec.obs_dim)).chain(others).collect();
         Some(Self { tolerances: tolerances.objects.to_vec(), observations })
     }
 

@@ -79,11 +79,7 @@ impl Policy {
 
     /// Reads a policy from a file.
     pub fn load(path: &Path) -> Result<Self, PolicyError> {
-        let starts_right = |start: &[u8]| {
-            header_length(start).is_some_and(|length| (1..=LARGEST_HEADER).contains(&length))
-        };
-        let file = files::read_from(path, 8, starts_right, LARGEST)?;
-        Self::from_bytes(&file, path)
+        Self::from_bytes(&read(path)?, path)
     }
 
     /// What is in the policy's file: its tensors, and all else in the metadata.
@@ -207,6 +203,14 @@ impl Policy {
             None => Ok(()),
         }
     }
+}
+
+/// The bytes of a policy file, or the first ones of a file that is none.
+pub(super) fn read(path: &Path) -> Result<Vec<u8>, FileError> {
+    let starts_right = |start: &[u8]| {
+        header_length(start).is_some_and(|length| (1..=LARGEST_HEADER).contains(&length))
+    };
+    files::read_from(path, 8, starts_right, LARGEST)
 }
 
 /// Bytes of a file's header, as its first eight bytes say.

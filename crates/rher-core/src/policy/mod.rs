@@ -5,6 +5,8 @@ mod critic;
 mod file;
 mod info;
 mod model;
+#[cfg(feature = "onnx")]
+mod onnx;
 mod run_id;
 
 pub use actor::Actor;
@@ -12,4 +14,6 @@ pub use critic::Critic;
 pub use file::PolicyError;
 pub use info::{Mismatch, PolicyInfo};
 pub use model::Policy;
+#[cfg(feature = "onnx")]
+pub use onnx::{OnnxError, OnnxModel};
 pub use run_id::{NoRunId, RunId};

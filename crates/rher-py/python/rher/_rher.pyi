@@ -29,6 +29,9 @@ def run_settings(folder: _Path) -> str:
 def run_state(folder: _Path) -> Literal["running", "solved", "spent", "stopped"]:
     """Whether a run goes on: ``running``, ``solved``, ``spent`` or ``stopped``."""
 
+def export_onnx(policy: Policy | _Path, out: _Path) -> None:
+    """Writes a policy, or that in a file, as an ONNX model, and beside it what its numbers are."""
+
 @final
 class State:
     """A moment of an episode that an environment can return to; immutable, and can be pickled."""

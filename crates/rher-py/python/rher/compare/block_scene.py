@@ -21,7 +21,6 @@ from gymnasium_robotics.utils import mujoco_utils, rotations
 from numpy.typing import ArrayLike, NDArray
 
 import rher
-from rher._policy_file import read
 from rher.compare import block_model
 
 __all__ = ["TASKS", "Blocks", "make", "names"]
@@ -44,10 +43,7 @@ def make(task: str, **arguments: Any) -> gymnasium.Env[Any, Any]:
 @cache
 def names(task: str) -> list[str]:
     """What the numbers of an observation of a task are called, in their order."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "policy.safetensors"
-        rher.Policy.pretrained(task).save(path)
-        return read(path).names["observation"]
+    return rher.Policy.pretrained(task).names["observation"]
 
 
 class Blocks(MujocoFetchEnv):
