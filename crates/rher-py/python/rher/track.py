@@ -112,7 +112,7 @@ def _refused(to: str) -> Iterator[None]:
 _HINTS: Mapping[str, str] = {
     "trackio": "",
     "wandb": "; `wandb login` or `WANDB_MODE=offline` may help",
-    "mlflow": "; is MLFLOW_TRACKING_URI right?",
+    "mlflow": "; MLFLOW_TRACKING_URI is its address, such as file:///home/me/mlruns",
 }
 
 
