@@ -42,13 +42,14 @@ fn help_names_the_verbs_and_every_exit_status() {
       eval         Measure the success rate of a policy, with a 95 % confidence interval
       play         Play episodes of a policy, and draw or record them
       replay       List the episodes of a recording, or verify that they reproduce bit for bit
-      export       Write a dataset of demonstrations in the format of Minari or LeRobot
+      export       Write a policy as an ONNX model, or its episodes as a dataset for Minari or LeRobot
+      card         Write a model card: a policy with its numbers, a moving picture and its settings
       runs         List the runs below a folder: how far they are, and whether they go on
       stats        Compare runs: sample efficiency, final success, confidence intervals
       plot         Draw learning curves, with those that the authors published
       report       Write one HTML page about runs: curves, tables, an episode, settings
       config       Print every setting of a run as TOML, for `rher train --config`
-      doctor       Say what this machine is, and whether it computes the same bits as every other
+      doctor       Say what this machine is, what is odd, and whether it computes the same bits as every other
       bench        Measure the speed of this machine
       completions  Print what completes commands and options in a shell
       man          Write manual pages, one for each command

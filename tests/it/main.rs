@@ -7,12 +7,14 @@ mod bits;
 mod cli;
 mod datasets;
 mod determinism;
+mod doctor;
 mod figures;
 mod films;
 mod identity;
 mod learning;
 #[cfg(feature = "live")]
 mod live;
+mod models;
 mod newcomers;
 mod options;
 mod own_task;

@@ -4,7 +4,7 @@ use crate::exit_code::Status;
 use anyhow::Context as _;
 use std::ffi::OsString;
 use std::num::NonZeroUsize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
@@ -51,6 +51,11 @@ impl Again {
     /// A file, and the arguments that make it this program.
     pub(crate) const fn new(file: PathBuf, arguments: Vec<OsString>) -> Self {
         Self { file, arguments }
+    }
+
+    /// What interprets the program, if something does.
+    pub(crate) fn interpreter(&self) -> Option<&Path> {
+        (!self.arguments.is_empty()).then_some(&*self.file)
     }
 
     /// The program, still without arguments of its own.

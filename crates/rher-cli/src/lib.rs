@@ -26,6 +26,7 @@ mod published;
 mod running;
 mod shell;
 mod shipped;
+mod surroundings;
 mod tables;
 mod tips;
 mod trained;

@@ -11,7 +11,9 @@ pub(crate) use machine::{
     BenchCommand, BenchEnvArgs, BenchUpdateArgs, CompletionsArgs, DoctorArgs, ManArgs,
 };
 pub(crate) use many::{ReproduceArgs, SweepArgs};
-pub(crate) use policy::{EvalArgs, ExportArgs, FormatName, PictureArgs, PlayArgs, ReplayArgs};
+pub(crate) use policy::{
+    CardArgs, EvalArgs, ExportArgs, FormatName, PictureArgs, PlayArgs, ReplayArgs,
+};
 pub(crate) use train::{ConfigArgs, SettingsArgs, TrainArgs};
 
 use crate::exit_code::Status;
@@ -59,8 +61,10 @@ pub(crate) enum Command {
     Play(PlayArgs),
     /// List the episodes of a recording, or verify that they reproduce bit for bit
     Replay(ReplayArgs),
-    /// Write a dataset of demonstrations in the format of Minari or LeRobot
+    /// Write a policy as an ONNX model, or its episodes as a dataset for Minari or LeRobot
     Export(ExportArgs),
+    /// Write a model card: a policy with its numbers, a moving picture and its settings
+    Card(CardArgs),
     /// List the runs below a folder: how far they are, and whether they go on
     Runs(ListArgs),
     /// Compare runs: sample efficiency, final success, confidence intervals
@@ -71,7 +75,7 @@ pub(crate) enum Command {
     Report(ReportArgs),
     /// Print every setting of a run as TOML, for `rher train --config`
     Config(ConfigArgs),
-    /// Say what this machine is, and whether it computes the same bits as every other
+    /// Say what this machine is, what is odd, and whether it computes the same bits as every other
     Doctor(DoctorArgs),
     /// Measure the speed of this machine
     #[command(subcommand)]

@@ -144,26 +144,60 @@ pub(crate) struct ReplayArgs {
 #[derive(Debug, Args)]
 #[command(after_long_help = "\
 Examples:
+  rher card runs/push-rher-fast-1 -o push-card
+  rher card stack                          a policy that ships with the program
+
+The folder is as the Hugging Face Hub has models: `README.md` with metadata, and beside it the policy, \
+a moving picture, the settings and the metrics. Nothing is sent anywhere; `hf upload` does that. \
+It is a run folder, too: `rher eval DIR`, `play` and `export` take it.")]
+pub(crate) struct CardArgs {
+    /// Run folder, or name of a task, whose run ships with the program
+    #[arg(value_name = "RUN")]
+    pub(crate) run: PathBuf,
+
+    /// Folder of the card, which must not exist yet
+    #[arg(short, long, value_name = "DIR", default_value = "card")]
+    pub(crate) out: PathBuf,
+
+    /// Number of episodes for each sub-task by which the policy is judged
+    #[arg(long, value_name = "N", default_value = "500", value_parser = episodes)]
+    pub(crate) episodes: NonZeroUsize,
+}
+
+#[derive(Debug, Args)]
+#[command(after_long_help = "\
+Examples:
+  rher export runs/push-rher-fast-1 --format onnx --out push.onnx
   rher export runs/push-rher-fast-1 --format minari --out data/rher/push-v0 --episodes 500
   rher export runs/push-rher-fast-1 --format lerobot --out push-lerobot
   rher export push.mcap --format minari --out push-minari
 
+ONNX: the policy with everything that it needs to act, for runtimes on robots and elsewhere; beside \
+it, `push.json` says what its numbers are: names, units, frame, rate, limits.
 A run is played without exploration, as in `rher eval`; a recording is exported unchanged.
 Minari: `minari.MinariDataset(\"DIR/data\")`; where DIR is `ROOT/rher/<TASK>-v0` and \
 MINARI_DATASETS_PATH is ROOT, also `minari.load_dataset(\"rher/<TASK>-v0\")`. Observations are those \
 of a GoalEnv. LeRobot: `LeRobotDataset(\"rher/<TASK>\", root=\"DIR\")`, version 3.0, 25 frames per \
 second, without pictures; the goal is `observation.environment_state`.")]
 pub(crate) struct ExportArgs {
-    /// Run folder or policy file to play, name of a task, whose policy ships with the program, or a
-    /// recording
+    /// Run folder or policy file, name of a task, whose policy ships with the program, or a recording
+    /// for a dataset
     pub(crate) path: PathBuf,
 
-    /// Dataset format
+    /// What to write
     #[arg(long, value_enum, value_name = "FORMAT")]
     pub(crate) format: FormatName,
 
-    /// Folder of the dataset, which must not exist yet
-    #[arg(long, value_name = "DIR")]
+    /// Folder of the dataset, which must not exist yet, or file of the model [default for a model:
+    /// policy.onnx]
+    #[arg(
+        long,
+        value_name = "OUT",
+        required = false,
+        required_if_eq_any([("format", "minari"), ("format", "lerobot")]),
+        default_value_if("format", "onnx", "policy.onnx"),
+        hide_default_value = true
+    )]
     pub(crate) out: PathBuf,
 
     /// Identity of a Minari dataset, as in `rher/push-v1` (by default, that of the task)
@@ -174,13 +208,15 @@ pub(crate) struct ExportArgs {
     #[arg(long, value_name = "N")]
     pub(crate) episodes: Option<NonZeroU64>,
 
-    /// Seed of the episodes that are played, as in `rher eval`
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = toml_integer(0))]
-    pub(crate) seed: u64,
+    /// Seed of the episodes that are played, as in `rher eval` [default: 0]
+    #[arg(long, value_name = "N", value_parser = toml_integer(0))]
+    pub(crate) seed: Option<u64>,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub(crate) enum FormatName {
+    /// The policy as an ONNX model, and a description of its numbers
+    Onnx,
     /// A Minari dataset, in its Parquet storage
     Minari,
     /// A LeRobot dataset, version 3.0

@@ -30,12 +30,12 @@ pub(super) struct EvalReport {
     pub(super) final_distance: f32,
     /// The same for where they really were; `null` where sensors tell nothing else.
     true_final_distance: Option<f32>,
-    episodes: usize,
+    pub(super) episodes: usize,
     /// How many of them failed, by kind.
     failures: Failures,
     /// Settings of the environments.
     options: Options,
-    env_seed: u64,
+    pub(super) env_seed: u64,
     /// Whether these are other episodes than those by which training was judged; `null` where
     /// nobody knows.
     held_out: Option<bool>,
@@ -141,7 +141,12 @@ fn wilson(rate: f32, episodes: usize) -> [f64; 2] {
     [(center - margin) / scale, (center + margin) / scale].map(|bound| bound.clamp(0.0, 1.0))
 }
 
-fn describe(report: &EvalReport, subtasks: &[String], set: &[(String, toml::Value)]) -> String {
+/// What is printed, for people.
+pub(super) fn describe(
+    report: &EvalReport,
+    subtasks: &[String],
+    set: &[(String, toml::Value)],
+) -> String {
     let [low, high] = report.ci95;
     let mut lines = table();
     let mut add = |name: &str, value: String| {

@@ -1,6 +1,7 @@
 //! One module for each verb.
 
 mod bench;
+mod card;
 mod cell;
 mod config;
 mod doctor;
@@ -41,9 +42,10 @@ pub(crate) fn run(command: Command, again: &Again, printer: Printer) -> anyhow::
         Command::Runs(args) => runs::runs(&args, printer)?,
         Command::Stats(args) => stats::stats(&args, printer)?,
         Command::Plot(args) => plot::plot(&args, printer)?,
+        Command::Card(args) => card::card(&args, printer)?,
         Command::Report(args) => report::report(&args, printer)?,
         Command::Config(args) => config::config(&args, printer)?,
-        Command::Doctor(args) => doctor::doctor(&args, printer)?,
+        Command::Doctor(args) => doctor::doctor(&args, again, printer)?,
         Command::Completions(args) => pages::completions(&args, printer)?,
         Command::Man(args) => pages::man(&args, printer)?,
         Command::Bench(BenchCommand::Env(args)) => bench::env::bench_env(&args, again, printer)?,

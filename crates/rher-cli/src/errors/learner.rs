@@ -3,6 +3,7 @@
 use super::report::{Explain, Report};
 use super::runs::and_there;
 use crate::exit_code::Status;
+use rher_core::OnnxError;
 use rher_core::episode::RolloutError;
 use rher_core::evaluate::EvaluateError;
 use rher_core::files::{Access, FileError};
@@ -133,6 +134,17 @@ impl Explain for PolicyError {
                 Some(Report::new(Status::RunFolder, and_there(hint)))
             }
             Self::File(error) => error.report(),
+            _ => None,
+        }
+    }
+}
+
+impl Explain for OnnxError {
+    fn report(&self) -> Option<Report> {
+        match self {
+            Self::Policy(error) => error.report(),
+            Self::File(error) => error.report(),
+            Self::Name { .. } => Some(Report::plain(Status::Usage)),
             _ => None,
         }
     }

@@ -11,7 +11,7 @@ mod settings;
 mod sweeps;
 
 pub(crate) use program::{
-    ForeignTask, Invisible, NoDatasetId, NotReal, OtherBits, OtherRun, RepeatedKey, SameRun,
+    ForeignTask, Invisible, NotReal, OtherBits, OtherFormat, OtherRun, RepeatedKey, SameRun,
 };
 pub(crate) use report::Report;
 pub(crate) use sweeps::NoCellNumber;
@@ -20,6 +20,7 @@ use crate::exit_code::Status;
 use crate::film::VideoError;
 use crate::printer::StdoutError;
 use report::explain;
+use rher_core::OnnxError;
 use rher_core::evaluate::EvaluateError;
 use rher_core::event::ObserverError;
 use rher_core::files::FileError;
@@ -59,6 +60,7 @@ const KNOWN: &[fn(&(dyn Error + 'static)) -> Option<Report>] = &[
     explain::<PretrainedError>,
     explain::<CheckpointError>,
     explain::<PolicyError>,
+    explain::<OnnxError>,
     explain::<EvaluateError>,
     explain::<ReadError>,
     explain::<PlayError>,
@@ -69,7 +71,7 @@ const KNOWN: &[fn(&(dyn Error + 'static)) -> Option<Report>] = &[
     explain::<VideoError>,
     explain::<StdoutError>,
     explain::<ForeignTask>,
-    explain::<NoDatasetId>,
+    explain::<OtherFormat>,
     explain::<RepeatedKey>,
     explain::<SameRun>,
     explain::<NotReal>,

@@ -61,12 +61,31 @@ impl Explain for OtherBits {
     }
 }
 
-/// The format has no place for an identity.
+/// An option of `rher export` is for another format.
 #[derive(Debug, thiserror::Error)]
-#[error("`--dataset-id` is for `--format minari`: a LeRobot dataset does not contain an identity")]
-pub(crate) struct NoDatasetId;
+#[error("`{option}` is for {formats}: {reason}")]
+pub(crate) struct OtherFormat {
+    option: &'static str,
+    formats: &'static str,
+    reason: &'static str,
+}
 
-impl Explain for NoDatasetId {
+impl OtherFormat {
+    /// LeRobot's datasets have no place for an identity.
+    pub(crate) const NO_IDENTITY: Self = Self {
+        option: "--dataset-id",
+        formats: "`--format minari`",
+        reason: "a LeRobot dataset does not contain an identity",
+    };
+
+    /// An option for datasets is given for a model.
+    pub(crate) const fn of_dataset(option: &'static str) -> Self {
+        let reason = "an ONNX model is the policy itself, and has no episodes";
+        Self { option, formats: "datasets", reason }
+    }
+}
+
+impl Explain for OtherFormat {
     fn report(&self) -> Option<Report> {
         Some(Report::plain(Status::Usage))
     }

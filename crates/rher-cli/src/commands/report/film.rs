@@ -7,7 +7,6 @@ use crate::trained::Trained;
 use rher_core::train::checkpoint::POLICY_FILE;
 use rher_envs::Task;
 use rher_runs::{Group, Run};
-use std::path::Path;
 
 /// The first evaluation episode of the group's first run that has a policy, with a caption; none
 /// where the environment is not part of this program, or names nothing that can be seen.
@@ -20,7 +19,8 @@ pub(super) fn episode(
     let folder = folders.find(|folder| folder.join(POLICY_FILE).exists())?;
     group.task.parse::<Task>().ok()?;
     let caption = format!("{group}: the first evaluation episode of {}", shipped::name(folder));
-    match film(folder, printer) {
+    let film = Trained::load(folder, printer).and_then(|trained| film(&trained));
+    match film {
         Ok(film) => film.map(|film| (caption, "image/gif", film)),
         Err(error) => {
             printer.warn(format_args!("no film of `{}`: {error:#}", shipped::name(folder)));
@@ -29,9 +29,9 @@ pub(super) fn episode(
     }
 }
 
-/// The first evaluation episode of a run's policy, as a GIF file.
-fn film(folder: &Path, printer: Printer) -> anyhow::Result<Option<Vec<u8>>> {
-    let trained = Trained::load(folder, printer)?;
+/// The first evaluation episode of a policy, as a GIF file; none where its environment names nothing
+/// that can be seen.
+pub(crate) fn film(trained: &Trained) -> anyhow::Result<Option<Vec<u8>>> {
     let (task, policy, test_policy) = (trained.task, &trained.policy, trained.test_policy());
     let footage = task.visit_with(&trained.options, Film { task, policy, test_policy })??;
     let animation = Animation::of(&footage.images)?;

@@ -6,6 +6,9 @@ mod listing;
 mod page;
 mod settings;
 
+pub(super) use film::film;
+pub(super) use settings::train_command;
+
 use super::stats::{NOTE, PROFILES, Stats, profiles, sections};
 use crate::chosen::Chosen;
 use crate::cli::ReportArgs;

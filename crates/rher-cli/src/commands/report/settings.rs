@@ -60,6 +60,12 @@ fn preset(run: &Run) -> &str {
     run.settings.get("preset").and_then(|preset| preset.as_str()).unwrap_or_default()
 }
 
+/// What trains the same run; none where this program does not know all of its settings.
+pub(crate) fn train_command(run: &Run) -> Option<String> {
+    let departures = departures(run).filter(|departures| is_known(departures))?;
+    Some(command(run, &departures))
+}
+
 /// What trains a run with the same settings.
 fn command(run: &Run, departures: &[Departure]) -> String {
     let task = &run.group.task;

@@ -67,8 +67,8 @@ pub enum OnnxError {
     },
     /// The goals of the policy are more than positions.
     #[error(
-        "the policy of `{task}` has goals of {goals}, and only those of positions alone can be \
-         exported: act with the policy itself"
+        "the goals of `{task}` say more of objects than where they should be ({goals}), which cannot \
+         be exported: expected a policy whose goals are positions"
     )]
     Goals {
         /// What it was trained for.

@@ -33,7 +33,7 @@ complete -c rher -n "__fish_rher_needs_command" -f -a "reproduce" -d 'Repeat an 
 complete -c rher -n "__fish_rher_needs_command" -f -a "eval" -d 'Measure the success rate of a policy, with a 95 % confidence interval'
 complete -c rher -n "__fish_rher_needs_command" -f -a "play" -d 'Play episodes of a policy, and draw or record them'
 complete -c rher -n "__fish_rher_needs_command" -f -a "replay" -d 'List the episodes of a recording, or verify that they reproduce bit for bit'
-complete -c rher -n "__fish_rher_needs_command" -f -a "export" -d 'Write a dataset of demonstrations in the format of Minari or LeRobot'
+complete -c rher -n "__fish_rher_needs_command" -f -a "export" -d 'Write a policy as an ONNX model, or its episodes as a dataset for Minari or LeRobot'
 complete -c rher -n "__fish_rher_needs_command" -f -a "runs" -d 'List the runs below a folder: how far they are, and whether they go on'
 complete -c rher -n "__fish_rher_needs_command" -f -a "stats" -d 'Compare runs: sample efficiency, final success, confidence intervals'
 complete -c rher -n "__fish_rher_needs_command" -f -a "plot" -d 'Draw learning curves, with those that the authors published'
@@ -129,12 +129,13 @@ complete -c rher -n "__fish_rher_using_subcommand play" -s V -l version -d 'Prin
 complete -c rher -n "__fish_rher_using_subcommand replay" -l verify -d 'Simulate every episode again, and compare it'
 complete -c rher -n "__fish_rher_using_subcommand replay" -s h -l help -d 'Print help (see more with \'--help\')'
 complete -c rher -n "__fish_rher_using_subcommand replay" -s V -l version -d 'Print version'
-complete -c rher -n "__fish_rher_using_subcommand export" -l format -d 'Dataset format' -r -f -a "minari\t'A Minari dataset, in its Parquet storage'
+complete -c rher -n "__fish_rher_using_subcommand export" -l format -d 'What to write' -r -f -a "onnx\t'The policy as an ONNX model, and a description of its numbers'
+minari\t'A Minari dataset, in its Parquet storage'
 lerobot\t'A LeRobot dataset, version 3.0'"
-complete -c rher -n "__fish_rher_using_subcommand export" -l out -d 'Folder of the dataset, which must not exist yet' -r -F
+complete -c rher -n "__fish_rher_using_subcommand export" -l out -d 'Folder of the dataset, which must not exist yet, or file of the model [default for a model: policy.onnx]' -r -F
 complete -c rher -n "__fish_rher_using_subcommand export" -l dataset-id -d 'Identity of a Minari dataset, as in `rher/push-v1` (by default, that of the task)' -r
 complete -c rher -n "__fish_rher_using_subcommand export" -l episodes -d 'Number of episodes to play, or of a recording\'s first episodes [default: 100, or all of them]' -r
-complete -c rher -n "__fish_rher_using_subcommand export" -l seed -d 'Seed of the episodes that are played, as in `rher eval`' -r
+complete -c rher -n "__fish_rher_using_subcommand export" -l seed -d 'Seed of the episodes that are played, as in `rher eval` [default: 0]' -r
 complete -c rher -n "__fish_rher_using_subcommand export" -s h -l help -d 'Print help (see more with \'--help\')'
 complete -c rher -n "__fish_rher_using_subcommand export" -s V -l version -d 'Print version'
 complete -c rher -n "__fish_rher_using_subcommand runs" -l json -d 'Print JSON: an array with one object per run'
@@ -226,7 +227,7 @@ complete -c rher -n "__fish_rher_using_subcommand help; and not __fish_seen_subc
 complete -c rher -n "__fish_rher_using_subcommand help; and not __fish_seen_subcommand_from tasks train sweep reproduce eval play replay export runs stats plot report config doctor bench completions man help" -f -a "eval" -d 'Measure the success rate of a policy, with a 95 % confidence interval'
 complete -c rher -n "__fish_rher_using_subcommand help; and not __fish_seen_subcommand_from tasks train sweep reproduce eval play replay export runs stats plot report config doctor bench completions man help" -f -a "play" -d 'Play episodes of a policy, and draw or record them'
 complete -c rher -n "__fish_rher_using_subcommand help; and not __fish_seen_subcommand_from tasks train sweep reproduce eval play replay export runs stats plot report config doctor bench completions man help" -f -a "replay" -d 'List the episodes of a recording, or verify that they reproduce bit for bit'
-complete -c rher -n "__fish_rher_using_subcommand help; and not __fish_seen_subcommand_from tasks train sweep reproduce eval play replay export runs stats plot report config doctor bench completions man help" -f -a "export" -d 'Write a dataset of demonstrations in the format of Minari or LeRobot'
+complete -c rher -n "__fish_rher_using_subcommand help; and not __fish_seen_subcommand_from tasks train sweep reproduce eval play replay export runs stats plot report config doctor bench completions man help" -f -a "export" -d 'Write a policy as an ONNX model, or its episodes as a dataset for Minari or LeRobot'
 complete -c rher -n "__fish_rher_using_subcommand help; and not __fish_seen_subcommand_from tasks train sweep reproduce eval play replay export runs stats plot report config doctor bench completions man help" -f -a "runs" -d 'List the runs below a folder: how far they are, and whether they go on'
 complete -c rher -n "__fish_rher_using_subcommand help; and not __fish_seen_subcommand_from tasks train sweep reproduce eval play replay export runs stats plot report config doctor bench completions man help" -f -a "stats" -d 'Compare runs: sample efficiency, final success, confidence intervals'
 complete -c rher -n "__fish_rher_using_subcommand help; and not __fish_seen_subcommand_from tasks train sweep reproduce eval play replay export runs stats plot report config doctor bench completions man help" -f -a "plot" -d 'Draw learning curves, with those that the authors published'
