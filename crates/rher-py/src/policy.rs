@@ -298,14 +298,15 @@ impl Policy {
         let objects = match (leg, targets) {
             // What is to be reached stays where it is.
             (Leg::Reach, Some(targets)) => targets,
-            _ => match reached.and_then(|row| layout.positions(row)) {
-                Some(objects) => objects,
-                None => {
+            _ => {
+                if let Some(objects) = reached.and_then(|row| layout.positions(row)) {
+                    objects
+                } else {
                     let places = self.places.objects.as_ref();
                     let places = places.ok_or_else(|| missing("where the objects are"))?;
                     std::array::from_fn(|object| at(places[object]))
                 }
-            },
+            }
         };
         let tails = match reached {
             Some(reached) => layout.tails(reached),
