@@ -4,6 +4,8 @@ mod compare;
 mod machine;
 mod many;
 mod policy;
+#[cfg(test)]
+mod reference;
 mod train;
 
 pub(crate) use compare::{DEFAULT_FOLDER, ListArgs, PlotArgs, ReportArgs, StatsArgs};
