@@ -259,3 +259,8 @@ struct Robots;
 #[cfg(all(doctest, feature = "fused"))]
 #[doc = include_str!("../../../docs/tour.md")]
 struct Tour;
+
+/// So is that of the tutorial.
+#[cfg(all(doctest, feature = "fused"))]
+#[doc = include_str!("../../../docs/environment-rust.md")]
+struct EnvironmentTutorial;
