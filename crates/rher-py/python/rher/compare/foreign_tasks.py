@@ -58,7 +58,10 @@ TASKS: dict[str, Task] = {
         zoo=_ZOO_PANDA,
     ),
     "PandaPush-v3": Task("panda_gym", 150_000, 0.95, settings=_DEAR),
-    "PandaPickAndPlace-v3": Task("panda_gym", 150_000, 0.95, settings=_DEAR),
+    # A grasp takes fingers that stay open, then closed, for some steps.
+    "PandaPickAndPlace-v3": Task(
+        "panda_gym", 150_000, 0.95, settings=_DEAR | {"exploration.random_steps": 4}
+    ),
     "FetchPush-v4": Task("gymnasium_robotics", 100_000, 0.97, settings=_PRECISE),
     "FetchPickAndPlace-v4": Task("gymnasium_robotics", 150_000, 0.97, settings=_PRECISE),
     "FetchSlide-v4": Task("gymnasium_robotics", 300_000, 0.70, settings={"until": 0.75}),
