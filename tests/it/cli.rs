@@ -49,7 +49,7 @@ fn help_names_the_verbs_and_every_exit_status() {
       plot         Draw learning curves, with those that the authors published
       report       Write one HTML page about runs: curves, tables, an episode, settings
       config       Print every setting of a run as TOML, for `rher train --config`
-      doctor       Say what this machine is, what is odd, and whether it computes the same bits as every other
+      doctor       Say what this machine is, and whether it computes the same bits as every other
       bench        Measure the speed of this machine
       completions  Print what completes commands and options in a shell
       man          Write manual pages, one for each command

@@ -77,7 +77,7 @@ pub(crate) enum Command {
     Report(ReportArgs),
     /// Print every setting of a run as TOML, for `rher train --config`
     Config(ConfigArgs),
-    /// Say what this machine is, what is odd, and whether it computes the same bits as every other
+    /// Say what this machine is, and whether it computes the same bits as every other
     Doctor(DoctorArgs),
     /// Measure the speed of this machine
     #[command(subcommand)]
