@@ -8,7 +8,7 @@ use rand::{Rng, RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use rher_core::batch::Batch;
 use rher_core::config::{GoalFrame, Method, ObjectOrder, Preset, RelayConfig};
-use rher_core::env::{EnvSpec, Mirror, Permutation, SignedIndex};
+use rher_core::env::{End, EnvSpec, Mirror, Permutation, SignedIndex};
 use rher_core::episode::Episode;
 use rher_core::goal::{
     Achieved, Desired, EncodedGoal, LaterObjects, Leg, Position, Scene, Stage, Tolerances,
@@ -134,6 +134,7 @@ impl Played {
             observations: self.frames.iter().flat_map(Places::observation).collect(),
             achieved: self.frames.iter().map(Places::achieved).collect(),
             actions: self.actions.concat(),
+            end: End::Truncated,
         }
     }
 }

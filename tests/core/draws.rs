@@ -6,7 +6,7 @@ use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use rher_core::batch::Batch;
 use rher_core::config::{GoalFrame, ObjectOrder, Preset, RelayConfig};
-use rher_core::env::{EnvSpec, Mirror, Permutation, SignedIndex};
+use rher_core::env::{End, EnvSpec, Mirror, Permutation, SignedIndex};
 use rher_core::episode::Episode;
 use rher_core::goal::{Achieved, Desired, EncodedGoal, LaterObjects, Position, Scene, Stage};
 use rher_core::input::InputEncoder;
@@ -39,6 +39,7 @@ fn numbered<const N: usize>(steps: usize, obs_dim: usize) -> Episode<N> {
         observations: (0..=steps).flat_map(numbers).collect(),
         achieved: (0..=steps).map(frame).collect(),
         actions: vec![1.0; steps],
+        end: End::Truncated,
     }
 }
 

@@ -10,6 +10,7 @@ mod checkpoints;
 #[cfg(feature = "train")]
 mod control;
 mod draws;
+mod ends;
 mod environments;
 #[cfg(feature = "train")]
 mod evaluation;

@@ -5,7 +5,7 @@ use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use rher_core::batch::Batch;
 use rher_core::config::{GoalFrame, ObjectOrder, Preset, RelayConfig};
-use rher_core::env::{EnvSpec, Mirror, Permutation, SignedIndex};
+use rher_core::env::{End, EnvSpec, Mirror, Permutation, SignedIndex};
 use rher_core::episode::Episode;
 use rher_core::goal::{
     Achieved, Desired, EncodedGoal, LaterObjects, Position, Scene, Stage, Tolerances,
@@ -55,6 +55,7 @@ fn episode() -> impl Strategy<Value = Episode<2>> {
             achieved: scenes.into_iter().map(Achieved).collect(),
             observations,
             actions,
+            end: End::Truncated,
         })
 }
 
@@ -329,6 +330,7 @@ fn training_can_ask_for_more_than_the_task() {
         achieved: vec![scene(0.04); STEPS + 1],
         observations: vec![0.0; 2 * (STEPS + 1)],
         actions: vec![0.0; STEPS],
+        end: End::Truncated,
     });
     let rewarded = |tolerance| {
         let relay =

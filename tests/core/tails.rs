@@ -7,7 +7,7 @@ use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use rher_core::batch::Batch;
 use rher_core::config::{GoalFrame, Preset, RelayConfig};
-use rher_core::env::{Env, EnvError, EnvSpec, Mirror, Permutation, SignedIndex, Start};
+use rher_core::env::{End, Env, EnvError, EnvSpec, Mirror, Permutation, SignedIndex, Start};
 use rher_core::episode::{Episode, rollout};
 use rher_core::goal::{
     Achieved, Desired, EncodedGoal, LaterObjects, Leg, Metric, Position, Scene, Stage, TailError,
@@ -228,6 +228,7 @@ proptest! {
                     observations: (0..6).map(|_| rng.random()).collect(),
                     achieved: (0..3).map(|_| Achieved(scene(&mut rng))).collect(),
                     actions: vec![rng.random(), rng.random()],
+                    end: End::Truncated,
                 });
                 replay.push(&episodes[episodes.len() - 1]);
             }

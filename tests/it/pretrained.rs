@@ -149,6 +149,7 @@ where
             })
             .collect(),
         actions: of_small.actions.clone(),
+        end: of_small.end,
         observations,
     };
     for subtask in 0..2 {
@@ -199,6 +200,7 @@ fn what_was_learned_about_one_block_is_known_of_the_one_whose_turn_it_is() {
             })
             .collect(),
         actions: of_both.actions.clone(),
+        end: of_both.end,
     };
     for subtask in 0..2 {
         let (actions, values) =

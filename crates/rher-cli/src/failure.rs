@@ -156,6 +156,7 @@ impl fmt::Display for Failures {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rher_core::env::End;
     use rher_core::goal::{Desired, Scene};
 
     const TARGET: Position = Position::new(0.3, 0.0, 0.1);
@@ -175,6 +176,7 @@ mod tests {
             observations: Vec::new(),
             achieved: (0..=20).map(frame).map(Achieved).collect(),
             actions: Vec::new(),
+            end: End::Truncated,
         }
     }
 

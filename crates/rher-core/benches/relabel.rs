@@ -5,7 +5,7 @@ use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use rher_core::batch::Batch;
 use rher_core::config::Preset;
-use rher_core::env::{EnvSpec, Mirror, SignedIndex};
+use rher_core::env::{End, EnvSpec, Mirror, SignedIndex};
 use rher_core::episode::Episode;
 use rher_core::goal::{Achieved, Desired, Position, Scene, Stage, Tolerances};
 use rher_core::input::InputEncoder;
@@ -50,7 +50,7 @@ fn episode(rng: &mut ChaCha8Rng) -> Episode<1> {
     let mut place = || Position::from([rng.random(), rng.random(), rng.random()]);
     let desired = Desired::of_task([place()]);
     let achieved = (0..=STEPS).map(|_| Achieved(Scene::new(place(), [place()]))).collect();
-    Episode { desired, observations, achieved, actions }
+    Episode { desired, observations, achieved, actions, end: End::Truncated }
 }
 
 fn relabel(criterion: &mut Criterion) {

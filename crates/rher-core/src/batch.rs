@@ -5,8 +5,8 @@
 /// # Shapes
 ///
 /// `inputs`, `next_inputs`, `simpler_inputs`: `[rows, input_dim]`; `actions`: `[rows, action_dim]`;
-/// `rewards`, `imitates`: `[rows]`.
-/// All are row-major. There is no end flag: a time-out is not an end, so every next state counts.
+/// `rewards`, `ended`, `imitates`: `[rows]`.
+/// All are row-major.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Batch {
     /// Normalized observation and goal before the step.
@@ -15,6 +15,9 @@ pub struct Batch {
     pub actions: Vec<f32>,
     /// The sparse reward, 0 or −1.
     pub rewards: Vec<f32>,
+    /// Whether nothing changes any more after the step: the reward then repeats forever, and no next
+    /// state counts. A time-out is not such an end.
+    pub ended: Vec<bool>,
     /// Normalized observation after the step, with the same goal.
     pub next_inputs: Vec<f32>,
     /// Whether there is a simpler sub-task whose turn it is: placing the first of the earlier
@@ -35,6 +38,7 @@ impl Batch {
             inputs: vec![0.0; rows * input_dim],
             actions: vec![0.0; rows * action_dim],
             rewards: vec![0.0; rows],
+            ended: vec![false; rows],
             next_inputs: vec![0.0; rows * input_dim],
             imitates: vec![false; rows],
             simpler_inputs: vec![0.0; rows * input_dim],

@@ -6,6 +6,9 @@ use crate::names::Names;
 
 pub use crate::symmetry::{Mirror, Permutation, SignedIndex};
 
+/// Steps of the longest episode that a checkpoint has a number for.
+const MOST_STEPS: usize = (1 << 30) - 1;
+
 /// What holds for the life of an environment.
 ///
 /// ```
@@ -32,7 +35,8 @@ pub struct EnvSpec<const N: usize> {
     pub obs_dim: usize,
     /// Length of an action; each of its numbers is in [−1, 1].
     pub action_dim: usize,
-    /// Steps of every episode, the paper's T; episodes never end early.
+    /// Steps of an episode, the paper's T: none has more, and one has fewer where the environment
+    /// ends it, see [`Env::end`].
     pub episode_steps: usize,
     /// How many sub-tasks to learn, from the first: 2 N, or fewer where the task ends sooner.
     pub subtasks: usize,
@@ -98,6 +102,10 @@ impl<const N: usize> EnvSpec<N> {
         ];
         if let Some((field, found)) = dimensions.into_iter().find(|(_, found)| *found == 0) {
             return wrong(field.to_owned(), found.to_string(), "at least 1".to_owned());
+        }
+        if self.episode_steps > MOST_STEPS {
+            let (field, found) = ("episode_steps".to_owned(), self.episode_steps.to_string());
+            return wrong(field, found, format!("at most {MOST_STEPS}"));
         }
         if !(1..=2 * N).contains(&self.subtasks) {
             let expected = format!("1 to {}, twice its objects", 2 * N);
@@ -198,11 +206,35 @@ pub struct Start<const N: usize> {
     pub desired: Desired<N>,
 }
 
+/// How an episode ended.
+///
+/// ```
+/// use rher_core::testing::Carry;
+/// use rher_core::{End, rollout};
+///
+/// let episode = rollout(&mut Carry::new(), 1, |_, _| Ok(()))?;
+/// assert_eq!(episode.end, End::Truncated, "it had as many steps as an episode may have");
+/// # Ok::<(), rher_core::RolloutError>(())
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum End {
+    /// It was stopped by its number of steps or by whoever watches: what would have followed is
+    /// unknown, and learned like what follows any other step.
+    #[default]
+    Truncated,
+    /// The environment ended it because the task was done. Nothing follows: everything stays where
+    /// it was. Under another goal the environment would have gone on.
+    Solved,
+    /// The environment ended it because nothing can be done any more, as when an object has fallen
+    /// off a table. Nothing follows, whatever the goal was: everything stays where it was.
+    Failed,
+}
+
 /// A scene with `N` objects, simulated or real.
 ///
-/// There is no reward and no end in it: the reward is a function of goals
-/// ([`EncodedGoal::reward`](crate::goal::EncodedGoal::reward)), and every episode has
-/// [`EnvSpec::episode_steps`] steps.
+/// There is no reward in it, which is a function of goals
+/// ([`EncodedGoal::reward`](crate::goal::EncodedGoal::reward)). An episode has
+/// [`EnvSpec::episode_steps`] steps, unless the environment ends it before ([`Env::end`]).
 ///
 /// ```
 /// use rher_core::{Achieved, Desired, Env, EnvError, EnvSpec, Position, Scene, Start};
@@ -260,6 +292,12 @@ pub trait Env<const N: usize>: Send {
     /// it, `[obs_dim]`.
     fn step(&mut self, action: &[f32], observation: &mut [f32]) -> Result<Achieved<N>, EnvError>;
 
+    /// How the episode ended with the last step; `None` while it goes on, and in an environment
+    /// that only ends by its number of steps.
+    fn end(&self) -> Option<End> {
+        None
+    }
+
     /// The true scene now, where it is known and differs from the measured one that goals and
     /// rewards use.
     fn truth(&mut self) -> Option<Achieved<N>> {
@@ -290,6 +328,10 @@ impl<E: Env<N> + ?Sized, const N: usize> Env<N> for Box<E> {
 
     fn step(&mut self, action: &[f32], observation: &mut [f32]) -> Result<Achieved<N>, EnvError> {
         (**self).step(action, observation)
+    }
+
+    fn end(&self) -> Option<End> {
+        (**self).end()
     }
 
     fn truth(&mut self) -> Option<Achieved<N>> {

@@ -1,9 +1,12 @@
 //! One episode, and how it is made.
 
-use crate::env::{Env, EnvError, Permutation, SignedIndex, Start};
+use crate::env::{End, Env, EnvError, Permutation, SignedIndex, Start};
 use crate::goal::{Achieved, Desired, TAIL_NUMBERS};
 
-/// `T + 1` frames, and the `T` actions between them.
+/// `T + 1` frames, and the `T` actions between them; `T` is [`EnvSpec::episode_steps`], or less where
+/// the environment ended the episode before.
+///
+/// [`EnvSpec::episode_steps`]: crate::EnvSpec::episode_steps
 ///
 /// ```
 /// use rher_core::testing::Carry;
@@ -26,9 +29,16 @@ pub struct Episode<const N: usize> {
     pub achieved: Vec<Achieved<N>>,
     /// `[T, action_dim]`, as they were carried out: each number in [−1, 1].
     pub actions: Vec<f32>,
+    /// How it ended.
+    pub end: End,
 }
 
 impl<const N: usize> Episode<N> {
+    /// Steps that were taken, T.
+    pub fn steps(&self) -> usize {
+        self.achieved.len() - 1
+    }
+
     /// The same episode with its objects in another order.
     #[must_use]
     pub fn reordered(&self, permutation: &Permutation<N>) -> Self {
@@ -44,6 +54,7 @@ impl<const N: usize> Episode<N> {
             observations,
             achieved: achieved.collect(),
             actions: self.actions.clone(),
+            end: self.end,
         }
     }
 }
@@ -128,24 +139,26 @@ pub enum RolloutError {
     },
 }
 
-/// Plays one episode of `env`; `act` writes each action, which is then clipped to [−1, 1].
+/// Plays one episode of `env` until it ends; `act` writes each action, which is then clipped to
+/// [−1, 1].
 pub fn rollout<const N: usize>(
     env: &mut impl Env<N>,
     seed: u64,
     mut act: impl FnMut(View<'_, N>, &mut [f32]) -> Result<(), ActError>,
 ) -> Result<Episode<N>, RolloutError> {
-    let (observation, action, steps) = {
+    let (observation, action_dim, steps) = {
         let spec = env.spec();
         (spec.obs_dim, spec.action_dim, spec.episode_steps)
     };
     let mut observations = vec![0.0; (steps + 1) * observation];
-    let mut actions = vec![0.0; steps * action];
+    let mut actions = vec![0.0; steps * action_dim];
     let mut achieved = Vec::with_capacity(steps + 1);
     let failed = |step| move |source| RolloutError::Env { seed, step, source };
 
     let first = &mut observations[..observation];
     let Start { achieved: now, desired } = env.reset(seed, first).map_err(failed(0))?;
     check(first, &now, seed, 0)?;
+    check_targets(&desired, seed)?;
     achieved.push(now);
     for step in 0..steps {
         let (before, after) = observations.split_at_mut((step + 1) * observation);
@@ -154,7 +167,7 @@ pub fn rollout<const N: usize>(
             achieved: &achieved[step],
             desired: &desired,
         };
-        let action = &mut actions[step * action..(step + 1) * action];
+        let action = &mut actions[step * action_dim..(step + 1) * action_dim];
         act(view, action).map_err(|source| RolloutError::Act { seed, step, source })?;
         for number in action.iter_mut() {
             *number = number.clamp(-1.0, 1.0);
@@ -163,8 +176,23 @@ pub fn rollout<const N: usize>(
         let now = env.step(action, next).map_err(failed(step))?;
         check(next, &now, seed, step + 1)?;
         achieved.push(now);
+        if let Some(end) = env.end() {
+            observations.truncate((step + 2) * observation);
+            actions.truncate((step + 1) * action_dim);
+            return Ok(Episode { desired, observations, achieved, actions, end });
+        }
     }
-    Ok(Episode { desired, observations, achieved, actions })
+    Ok(Episode { desired, observations, achieved, actions, end: End::Truncated })
+}
+
+fn check_targets<const N: usize>(desired: &Desired<N>, seed: u64) -> Result<(), RolloutError> {
+    for (object, target) in desired.objects().iter().enumerate() {
+        if let Some(value) = target.iter().find(|x| !x.is_finite()) {
+            let place = format!("the target of object {}", object + 1);
+            return Err(RolloutError::NotFinite { seed, step: 0, place, value: *value });
+        }
+    }
+    Ok(())
 }
 
 fn check<const N: usize>(

@@ -231,7 +231,7 @@ pub mod train;
 
 pub use config::{ConfigError, Preset, TrainConfig};
 pub use control::Control;
-pub use env::{Env, EnvError, EnvSpec, Mirror, Permutation, SignedIndex, SpecError, Start};
+pub use env::{End, Env, EnvError, EnvSpec, Mirror, Permutation, SignedIndex, SpecError, Start};
 pub use episode::{ActError, Episode, RolloutError, View, rollout};
 #[cfg(feature = "train")]
 pub use evaluate::{Evaluation, evaluate};

@@ -2,7 +2,7 @@
 
 use crate::batch::Batch;
 use crate::config::{Method, RelayConfig};
-use crate::env::{EnvSpec, Mirror, Permutation, SignedIndex};
+use crate::env::{End, EnvSpec, Mirror, Permutation, SignedIndex};
 use crate::episode::Episode;
 use crate::goal::{
     Achieved, Desired, EncodedGoal, LaterObjects, Position, SUCCESS, Stage, Tail, Tolerances,
@@ -17,6 +17,8 @@ use std::ops::Range;
 #[derive(Clone, Debug)]
 pub struct Relabeler<const N: usize> {
     tolerances: Tolerances<N>,
+    /// The stage that ends the task.
+    last: Stage<N>,
     method: Method,
     hindsight: f32,
     redraw_met: f32,
@@ -69,6 +71,7 @@ impl<const N: usize> Relabeler<N> {
         let scratch = || [vec![0.0; spec.obs_dim], vec![0.0; spec.obs_dim]];
         Self {
             tolerances: config.tolerances(spec),
+            last: spec.last_stage(),
             method: config.method,
             hindsight: config.hindsight,
             redraw_met: config.redraw_met,
@@ -196,7 +199,7 @@ impl<const N: usize> Relabeler<N> {
             some => Some((rng.random::<f32>() / self.exchange * some as f32) as usize)
                 .filter(|&which| which < some),
         };
-        let later = self.later(index.step, replay.steps(), rng);
+        let later = self.later(index.step, replay.steps(index.slot), rng);
         let mirrors = self.reflections.len().ilog2();
         let mirrored = (0..mirrors).map(|_| usize::from(rng.random::<f32>() < self.mirror));
         let reflection = mirrored.fold(0, |which, mirrored| 2 * which + mirrored);
@@ -224,6 +227,7 @@ impl<const N: usize> Relabeler<N> {
         let mut simpler = self.simpler(stage, &now, &desired);
         let reward = goal.reward(&next, &self.tolerances);
         batch.rewards[row] = reward;
+        batch.ended[row] = self.is_over(replay, index, stage, reward >= SUCCESS);
 
         let (mut before, mut after) =
             (replay.observation(index), replay.observation(at(index.step + 1)));
@@ -260,6 +264,23 @@ impl<const N: usize> Relabeler<N> {
         reward >= SUCCESS
     }
 
+    /// Whether nothing follows a step that is replayed for the sub-task of `stage` with a goal that
+    /// it has `met` or not.
+    ///
+    /// Where an environment ends an episode once its task is done, it would have ended it here, too,
+    /// had the goal of the row been that of the task; had it been another one, it would have gone on
+    /// where it did end. Where it ended because something failed, nothing follows for any goal.
+    fn is_over(&self, replay: &Replay<N>, index: StepIndex, stage: Stage<N>, met: bool) -> bool {
+        if met && stage == self.last && replay.ends_when_solved() {
+            return true;
+        }
+        match replay.end(index) {
+            None | Some(End::Truncated) => false,
+            Some(End::Solved) => met,
+            Some(End::Failed) => true,
+        }
+    }
+
     /// The goal of the sub-task whose turn it is when an object before that of `stage` is not in
     /// its place: to place it.
     fn simpler(
@@ -283,7 +304,7 @@ impl<const N: usize> Relabeler<N> {
         encoder: &mut InputEncoder,
         rng: &mut impl Rng,
     ) {
-        let Episode { desired, observations, achieved, actions: _ } = episode;
+        let Episode { desired, observations, achieved, actions: _, end: _ } = episode;
         let frames = observations.chunks_exact(encoder.observation());
         for (step, observation) in frames.enumerate().take(achieved.len() - 1) {
             encoder.observe(observation);

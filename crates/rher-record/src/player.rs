@@ -3,7 +3,7 @@
 use crate::message::{Action, Begin, Frame, Message, Place, Timed};
 use crate::paint::{entity, transform};
 use foxglove::messages::{FrameTransforms, SceneUpdate};
-use rher_core::env::{Env, EnvError, EnvSpec, Start};
+use rher_core::env::{End, Env, EnvError, EnvSpec, Start};
 use rher_core::episode::{Episode, RolloutError, rollout};
 use rher_core::evaluate::final_distance;
 use rher_core::explore::ActionLog;
@@ -127,7 +127,7 @@ impl<const N: usize> Relay<N> {
     fn messages(&self, script: &ActionLog, played: &Played<N>, begin: u64) -> Vec<Timed> {
         let Played { episode, seen } = played;
         let EnvSpec { obs_dim: observation, action_dim: action, tolerances, .. } = self.spec;
-        let Episode { desired, observations, achieved, actions } = episode;
+        let Episode { desired, observations, achieved, actions, end: _ } = episode;
         let number = script.number;
         let mut messages = Vec::with_capacity(3 * seen.len() + 1);
         let mut time = begin;
@@ -229,5 +229,9 @@ impl<const N: usize, E: Simulated<N>> Env<N> for Watched<'_, E> {
         let achieved = self.env.step(action, observation)?;
         self.seen.push(self.env.things());
         Ok(achieved)
+    }
+
+    fn end(&self) -> Option<End> {
+        self.env.end()
     }
 }

@@ -4,7 +4,7 @@ use super::caption::Captions;
 use super::options::{Look, PictureSize};
 use super::solved::solved;
 use rher_core::config::TestPolicy;
-use rher_core::env::{Env, EnvError, EnvSpec, Start};
+use rher_core::env::{End, Env, EnvError, EnvSpec, Start};
 use rher_core::episode::rollout;
 use rher_core::evaluate::{Played, play};
 use rher_core::goal::{Achieved, Desired};
@@ -95,6 +95,10 @@ impl<const N: usize, E: Simulated<N>> Env<N> for Set<'_, E, N> {
         let achieved = self.env.step(action, observation)?;
         self.look(&achieved);
         Ok(achieved)
+    }
+
+    fn end(&self) -> Option<End> {
+        self.env.end()
     }
 }
 

@@ -209,4 +209,9 @@ impl AgentConfig {
     pub fn lowest_return(&self) -> f32 {
         -1.0 / (1.0 - self.discount)
     }
+
+    /// The return of a reward that repeats forever.
+    pub(crate) fn repeated(&self, reward: f32) -> f32 {
+        reward / (1.0 - self.discount)
+    }
 }

@@ -55,6 +55,7 @@ fn draw(rows: usize, rng: &mut ChaCha8Rng) -> (Batch, Vec<f32>) {
     batch.rewards.fill_with(|| if rng.random() { 0.0 } else { -1.0 });
     batch.simpler_inputs.fill_with(|| rng.sample(StandardNormal));
     batch.imitates.fill_with(|| rng.random());
+    batch.ended.fill_with(|| rng.random_bool(0.3));
     let noise = (0..rows * ACTION).map(|_| rng.sample(StandardNormal)).collect();
     (batch, noise)
 }

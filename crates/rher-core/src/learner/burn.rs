@@ -107,6 +107,13 @@ impl<B: AutodiffBackend> AutodiffEngine<B> {
         let inputs = Tensor::cat(vec![inputs, (actions + noise).clamp(-1.0, 1.0)], 1);
         let values = self.critics.iter().map(|critic| target(critic).forward(inputs.clone()));
         let value = values.reduce(Tensor::min_pair).expect("a learner has a critic");
+        let repeated = batch.rewards.iter().map(|reward| self.config.repeated(*reward));
+        let ended = batch.ended.iter().map(|ended| f32::from(u8::from(*ended)));
+        let (repeated, ended) = (
+            matrix(repeated.collect(), rows, &self.device),
+            matrix(ended.collect(), rows, &self.device),
+        );
+        let value = value.mask_where(ended.equal_elem(1.0), repeated);
         let rewards = matrix(batch.rewards.clone(), rows, &self.device);
         (rewards + value * self.config.discount).clamp(self.config.lowest_return(), 0.0)
     }

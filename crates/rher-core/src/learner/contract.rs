@@ -44,6 +44,7 @@ fn transitions(rows: usize, rng: &mut ChaCha8Rng) -> (Batch, Vec<f32>) {
     let noise = (0..rows * ACTION).map(|_| rng.random_range(-2.0..2.0)).collect();
     batch.simpler_inputs.fill_with(|| rng.random_range(-1.0..1.0));
     batch.imitates.fill_with(|| rng.random());
+    batch.ended.fill_with(|| rng.random_bool(0.3));
     (batch, noise)
 }
 
@@ -261,6 +262,7 @@ struct Row {
     inputs: Vec<f64>,
     actions: Vec<f64>,
     reward: f64,
+    ended: bool,
     next: Vec<f64>,
     simpler: Option<Vec<f64>>,
 }
@@ -271,6 +273,7 @@ fn rows(batch: &Batch) -> Vec<Row> {
             inputs: doubles(&batch.inputs[row * INPUT..][..INPUT]),
             actions: doubles(&batch.actions[row * ACTION..][..ACTION]),
             reward: batch.rewards[row].into(),
+            ended: batch.ended[row],
             next: doubles(&batch.next_inputs[row * INPUT..][..INPUT]),
             simpler: batch.imitates[row]
                 .then(|| doubles(&batch.simpler_inputs[row * INPUT..][..INPUT])),
@@ -291,7 +294,11 @@ fn bellman(config: &AgentConfig, state: &LearnerState, rows: &[Row], noise: &[f3
             .critics
             .iter()
             .map(|critic| value(&critic.shape, &doubles(&critic.target), &row.next, &actions));
-        let value = values.fold(f64::INFINITY, f64::min);
+        let value = if row.ended {
+            row.reward / (1.0 - discount)
+        } else {
+            values.fold(f64::INFINITY, f64::min)
+        };
         (row.reward + discount * value).clamp(-1.0 / (1.0 - discount), 0.0)
     };
     rows.iter().zip(noise.chunks(ACTION)).map(one).collect()

@@ -23,7 +23,7 @@ impl Critic {
     /// The return it expects of every action of an episode, each for the sub-task that ends with
     /// its own of the `stages`: `[T]`.
     pub fn values<const N: usize>(&self, episode: &Episode<N>, stages: &[Stage<N>]) -> Vec<f32> {
-        let Episode { desired, observations, achieved, actions } = episode;
+        let Episode { desired, observations, achieved, actions, end: _ } = episode;
         let (observation, input) = (self.encoder.observation(), self.encoder.width());
         let mut rows = vec![0.0; stages.len() * self.shape.inputs];
         let steps = rows.chunks_exact_mut(self.shape.inputs).zip(stages).zip(achieved);

@@ -1,13 +1,14 @@
 //! Replay of whole episodes in a fixed amount of memory.
 
 use super::prefetch::{CACHE_LINE, prefetch};
-use crate::env::EnvSpec;
+use crate::env::{End, EnvSpec};
 use crate::episode::Episode;
 use crate::goal::{Achieved, Desired, Scene};
 use rand::{Rng, RngExt as _};
 use std::ops::Range;
 
-/// A ring of whole episodes, frame by frame; the oldest episode makes room for the newest.
+/// A ring of whole episodes, frame by frame; the oldest episode makes room for the newest. Each has
+/// room for as many steps as an episode may have.
 ///
 /// Observations are raw, goals are what the task asked for: both are normalized and relabeled
 /// when they are drawn.
@@ -25,7 +26,18 @@ pub struct Replay<const N: usize> {
     frames: Vec<f32>,
     /// `[episodes, positions ‖ tails]`.
     desired: Vec<f32>,
-    stored: usize,
+    extents: Vec<Extent>,
+    /// Stored episodes that have not as many steps as fit, or were not truncated.
+    ended: usize,
+    /// Stored episodes that ended because the task was done.
+    solved: usize,
+}
+
+/// How much of its place in the ring an episode fills.
+#[derive(Clone, Copy, Debug)]
+struct Extent {
+    steps: usize,
+    end: End,
 }
 
 /// One step of a stored episode.
@@ -33,7 +45,7 @@ pub struct Replay<const N: usize> {
 pub struct StepIndex {
     /// Place of the episode in the ring.
     pub slot: usize,
-    /// Step in the episode, 0 to T − 1.
+    /// Step in the episode, from 0 to one less than it has.
     pub step: usize,
 }
 
@@ -43,9 +55,19 @@ impl<const N: usize> Replay<N> {
         let EnvSpec { obs_dim: observation, action_dim: action, episode_steps: steps, .. } = *spec;
         let capacity = (transitions / steps).max(1);
         let tail = spec.tolerances.tail.numbers();
-        let frames = Vec::with_capacity(capacity * (steps + 1) * frame_width(spec));
-        let desired = Vec::with_capacity(capacity * Desired::<N>::width(tail));
-        Self { observation, action, tail, steps, capacity, pushed: 0, frames, desired, stored: 0 }
+        Self {
+            observation,
+            action,
+            tail,
+            steps,
+            capacity,
+            pushed: 0,
+            frames: Vec::with_capacity(capacity * (steps + 1) * frame_width(spec)),
+            desired: Vec::with_capacity(capacity * Desired::<N>::width(tail)),
+            extents: Vec::with_capacity(capacity),
+            ended: 0,
+            solved: 0,
+        }
     }
 
     /// A replay into which `pushed` episodes were stored before; `read` gets the ones that fit,
@@ -72,8 +94,8 @@ impl<const N: usize> Replay<N> {
         self.capacity
     }
 
-    /// Steps of an episode, T.
-    pub fn steps(&self) -> usize {
+    /// Steps that every episode has room for.
+    pub fn room(&self) -> usize {
         self.steps
     }
 
@@ -83,9 +105,27 @@ impl<const N: usize> Replay<N> {
         self.tail
     }
 
+    /// Steps of the episode in a place of the ring.
+    pub fn steps(&self, slot: usize) -> usize {
+        if self.ended == 0 { self.steps } else { self.extents[slot].steps }
+    }
+
+    /// How an episode ended with this step; `None` if it has another one.
+    pub fn end(&self, StepIndex { slot, step }: StepIndex) -> Option<End> {
+        if step + 1 != self.steps(slot) {
+            return None;
+        }
+        Some(if self.ended == 0 { End::Truncated } else { self.extents[slot].end })
+    }
+
+    /// Whether a stored episode ended because the task was done.
+    pub fn ends_when_solved(&self) -> bool {
+        self.solved > 0
+    }
+
     /// Episodes that are stored.
     pub fn episodes(&self) -> usize {
-        self.stored
+        self.extents.len()
     }
 
     /// Episodes that were ever stored, those that made room included.
@@ -97,22 +137,30 @@ impl<const N: usize> Replay<N> {
     ///
     /// # Panics
     ///
-    /// If its widths or length are not those the replay was made for.
+    /// If its widths are not those the replay was made for, or if it has more steps than fit, or none.
     pub fn push(&mut self, episode: &Episode<N>) {
-        let Episode { desired, observations, achieved, actions } = episode;
-        assert_eq!(achieved.len(), self.steps + 1, "frames of an episode");
-        assert_eq!(observations.len(), (self.steps + 1) * self.observation, "observations");
-        assert_eq!(actions.len(), self.steps * self.action, "actions");
+        let Episode { desired, observations, achieved, actions, end } = episode;
+        let steps = episode.steps();
+        assert!((1..=self.steps).contains(&steps), "{steps} steps, expected 1 to {}", self.steps);
+        assert_eq!(observations.len(), (steps + 1) * self.observation, "observations");
+        assert_eq!(actions.len(), steps * self.action, "actions");
+        let extent = Extent { steps, end: *end };
         let slot = (self.pushed % self.capacity as u64) as usize;
-        if slot == self.stored {
-            self.stored += 1;
-            self.desired.resize(self.stored * Desired::<N>::width(self.tail), 0.0);
-            self.frames.resize(self.stored * (self.steps + 1) * self.width(), 0.0);
+        if slot == self.episodes() {
+            self.extents.push(extent);
+            self.desired.resize(self.episodes() * Desired::<N>::width(self.tail), 0.0);
+            self.frames.resize(self.episodes() * (self.steps + 1) * self.width(), 0.0);
+        } else {
+            let before = std::mem::replace(&mut self.extents[slot], extent);
+            self.ended -= usize::from(self.is_ended(before));
+            self.solved -= usize::from(before.end == End::Solved);
         }
         let goal = self.goal(slot);
         for (stored, number) in self.desired[goal].iter_mut().zip(desired.numbers(self.tail)) {
             *stored = number;
         }
+        self.ended += usize::from(self.is_ended(extent));
+        self.solved += usize::from(extent.end == End::Solved);
         let Self { observation: seen, action: acted, .. } = *self;
         let (start, width) = (self.start(StepIndex { slot, step: 0 }), self.width());
         let frames = self.frames[start..].chunks_exact_mut(width);
@@ -123,11 +171,29 @@ impl<const N: usize> Replay<N> {
             for (stored, number) in numbers.iter_mut().zip(scene.0.numbers(self.tail)) {
                 *stored = number;
             }
-            if step < self.steps {
+            if step < steps {
                 action.copy_from_slice(&actions[step * acted..(step + 1) * acted]);
             }
         }
         self.pushed += 1;
+    }
+
+    /// Whether it is not an episode of all steps that was truncated.
+    fn is_ended(&self, Extent { steps, end }: Extent) -> bool {
+        steps < self.steps || end != End::Truncated
+    }
+
+    /// Steps of the `count` episodes stored last, together. Those that have made room already count
+    /// as the mean of the others.
+    ///
+    /// # Panics
+    ///
+    /// If nothing is stored.
+    pub fn newest_steps(&self, count: usize) -> usize {
+        let stored = count.min(self.episodes());
+        let steps = (self.pushed - stored as u64..self.pushed)
+            .map(|index| self.steps((index % self.capacity as u64) as usize));
+        steps.sum::<usize>() * count / stored
     }
 
     /// The `count` episodes stored last, oldest first.
@@ -154,22 +220,20 @@ impl<const N: usize> Replay<N> {
         assert!(count <= self.episodes(), "{count} of {} episodes", self.episodes());
         (self.pushed - count as u64..self.pushed).map(|index| {
             let slot = (index % self.capacity as u64) as usize;
-            let ends = [0, self.steps].map(|step| self.scene(StepIndex { slot, step }));
+            let ends = [0, self.steps(slot)].map(|step| self.scene(StepIndex { slot, step }));
             (ends, self.desired(slot))
         })
     }
 
     fn episode(&self, slot: usize) -> Episode<N> {
-        let frames = || (0..=self.steps).map(move |step| StepIndex { slot, step });
+        let steps = self.steps(slot);
+        let frames = || (0..=steps).map(move |step| StepIndex { slot, step });
         Episode {
             desired: self.desired(slot),
             observations: frames().flat_map(|index| self.observation(index)).copied().collect(),
             achieved: frames().map(|index| self.scene(index)).collect(),
-            actions: frames()
-                .take(self.steps)
-                .flat_map(|index| self.action(index))
-                .copied()
-                .collect(),
+            actions: frames().take(steps).flat_map(|index| self.action(index)).copied().collect(),
+            end: self.extents[slot].end,
         }
     }
 
@@ -179,8 +243,13 @@ impl<const N: usize> Replay<N> {
     ///
     /// If nothing is stored.
     pub fn draw(&self, rng: &mut impl Rng) -> StepIndex {
-        let index = rng.random_range(0..self.episodes() * self.steps);
-        StepIndex { slot: index / self.steps, step: index % self.steps }
+        loop {
+            let index = rng.random_range(0..self.episodes() * self.steps);
+            let (slot, step) = (index / self.steps, index % self.steps);
+            if step < self.steps(slot) {
+                return StepIndex { slot, step };
+            }
+        }
     }
 
     /// What the task asked for in an episode.
@@ -188,20 +257,20 @@ impl<const N: usize> Replay<N> {
         Desired::read(&self.desired[self.goal(slot)], self.tail)
     }
 
-    /// The observation at a step, 0 to T.
+    /// The observation at a step, or after the last.
     pub fn observation(&self, index: StepIndex) -> &[f32] {
         let start = self.start(index);
         &self.frames[start..start + self.observation]
     }
 
-    /// The scene at a step, 0 to T.
+    /// The scene at a step, or after the last.
     pub fn scene(&self, index: StepIndex) -> Achieved<N> {
         let start = self.start(index) + self.observation;
         let end = start + Scene::<N>::width(self.tail);
         Achieved(Scene::read(&self.frames[start..end], self.tail))
     }
 
-    /// The action of a step, 0 to T − 1.
+    /// The action of a step.
     pub fn action(&self, index: StepIndex) -> &[f32] {
         let end = self.start(index) + self.width();
         &self.frames[end - self.action..end]

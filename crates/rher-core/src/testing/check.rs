@@ -182,7 +182,13 @@ fn play<const N: usize>(
     for step in 0..steps {
         observation.fill(f32::NAN);
         let achieved = env.step(actions.next(), &mut observation).map_err(failed(step))?;
-        frames.push(frame(&observation, &achieved, seed, step + 1)?);
+        let mut now = frame(&observation, &achieved, seed, step + 1)?;
+        let end = env.end();
+        now.extend(end.map(|end| end as u32));
+        frames.push(now);
+        if end.is_some() {
+            break;
+        }
     }
     Ok((start, frames))
 }
@@ -333,7 +339,7 @@ fn compare<const N: usize>(
         let moves = |object: usize| {
             nalgebra::distance(&now.objects[object], &start.achieved.0.objects[object]) > 1e-4
         };
-        if (0..N).any(moves) {
+        if (0..N).any(moves) || env.end().is_some() {
             break;
         }
     }

@@ -10,15 +10,17 @@
 //!
 //! A `.ckpt` file is magic, version, length, CRC-32, the state in postcard, and the parts of it
 //! that have got new fields since version 5 once more in JSON; where a stop left something undone,
-//! that follows in JSON, too. A record is its episode's number,
-//! the episode as little-endian `f32`, and a CRC-32 of the run's identity and of both (earlier
-//! versions left the identity out). Records come first, so a state never counts an episode that is
+//! that follows in JSON, too. A record is its episode's number in 4 bytes, its extent in 4 more,
+//! the episode as little-endian `f32`, and a CRC-32 of the run's identity and of all of it (earlier
+//! versions left the identity out). All records have the length of an episode of all steps: the
+//! extent says in its lower 30 bits how many steps are missing, and in the upper two how the episode
+//! ended. It is 0 where nothing ended it, as in all episodes of earlier versions. Records come first, so a state never counts an episode that is
 //! not there.
 
 use super::identity::run_id;
 use super::state::{Pending, RunState};
 use crate::config::TrainConfig;
-use crate::env::EnvSpec;
+use crate::env::{End, EnvSpec};
 use crate::episode::Episode;
 use crate::files::{self, FileError};
 use crate::goal::{Achieved, Desired, Scene, TailSpec};
@@ -322,7 +324,7 @@ fn append_episodes<const N: usize>(
             open = Some((part, path.clone(), file.map_err(FileError::write(&path))?));
         }
         if let Some((_, path, file)) = &mut open {
-            encode(run, index, &episode, replay.tail(), &mut record);
+            encode(run, index, &episode, [replay.room(), replay.tail()], &mut record);
             file.seek(SeekFrom::Start((index % EPISODES_PER_FILE) * record.len() as u64))
                 .and_then(|_| file.write_all(&record))
                 .map_err(FileError::write(path))?;
@@ -383,22 +385,30 @@ impl Layout {
         if computed.iter().all(|sum| expected != sum.to_le_bytes()) {
             return Err("checksum does not fit: it is damaged, or of another run".to_owned());
         }
-        let (number, floats) = body.split_at(8);
-        if number != index.to_le_bytes() {
+        let (number, rest) = body.split_at(4);
+        if number != (index as u32).to_le_bytes() {
             return Err("its place holds another episode".to_owned());
         }
+        let (extent, floats) = rest.split_at(4);
+        let extent = u32::from_le_bytes([0, 1, 2, 3].map(|i| extent[i]));
+        let (end, missing) = (extent >> END, (extent & !(3 << END)) as usize);
+        let end = ENDS.get(end as usize).copied().ok_or_else(|| format!("its end is {end}"))?;
+        let steps = self.steps.checked_sub(missing).filter(|steps| *steps > 0);
+        let steps =
+            steps.ok_or_else(|| format!("{missing} of {} steps are missing", self.steps))?;
         let floats = floats.as_chunks::<4>().0.iter().map(|bytes| f32::from_le_bytes(*bytes));
         let floats: Vec<f32> = floats.collect();
         let (goal, floats) = floats.split_at(Desired::<N>::width(self.tail));
         let scene = Scene::<N>::width(self.tail);
         let (scenes, floats) = floats.split_at((self.steps + 1) * scene);
         let (observations, actions) = floats.split_at((self.steps + 1) * self.observation);
-        let scenes = scenes.chunks_exact(scene);
+        let scenes = scenes.chunks_exact(scene).take(steps + 1);
         Ok(Episode {
             desired: Desired::read(goal, self.tail),
-            observations: observations.to_vec(),
+            observations: observations[..(steps + 1) * self.observation].to_vec(),
             achieved: scenes.map(|scene| Achieved(Scene::read(scene, self.tail))).collect(),
-            actions: actions.to_vec(),
+            actions: actions[..steps * self.action].to_vec(),
+            end,
         })
     }
 }
@@ -411,19 +421,41 @@ fn checksum(run: RunId, body: &[u8]) -> u32 {
     hasher.finalize()
 }
 
+/// Where the end of an episode is in the extent of its record, in bits.
+const END: u32 = 30;
+
+/// How an episode ended, by what its record says.
+const ENDS: [End; 3] = [End::Truncated, End::Solved, End::Failed];
+
+/// Writes the record of an episode, as long as one with `room` steps, with `tail` numbers of an
+/// object's tail.
 fn encode<const N: usize>(
     run: RunId,
     index: u64,
     episode: &Episode<N>,
-    tail: usize,
+    [room, tail]: [usize; 2],
     record: &mut Vec<u8>,
 ) {
-    let Episode { desired, observations, achieved, actions } = episode;
+    let Episode { desired, observations, achieved, actions, end } = episode;
+    let (steps, missing) = (episode.steps(), room - episode.steps());
+    let end = match end {
+        End::Truncated => 0,
+        End::Solved => 1,
+        End::Failed => 2,
+    };
     record.clear();
-    record.extend(index.to_le_bytes());
+    record.extend((index as u32).to_le_bytes());
+    record.extend((missing as u32 | end << END).to_le_bytes());
     let scenes = achieved.iter().flat_map(|Achieved(scene)| scene.numbers(tail));
-    let seen_and_done = observations.iter().chain(actions).copied();
-    let floats = desired.numbers(tail).chain(scenes).chain(seen_and_done);
+    let padding = |numbers: usize| std::iter::repeat_n(0.0, missing * numbers);
+    let floats = desired
+        .numbers(tail)
+        .chain(scenes)
+        .chain(padding(Scene::<N>::width(tail)))
+        .chain(observations.iter().copied())
+        .chain(padding(observations.len() / (steps + 1)))
+        .chain(actions.iter().copied())
+        .chain(padding(actions.len() / steps));
     record.extend(floats.flat_map(f32::to_le_bytes));
     record.extend(checksum(run, record).to_le_bytes());
 }

@@ -1,6 +1,6 @@
 //! An environment whose objects come in the order that promises most.
 
-use crate::env::{Env, EnvError, EnvSpec, Permutation, SignedIndex, Start};
+use crate::env::{End, Env, EnvError, EnvSpec, Permutation, SignedIndex, Start};
 use crate::goal::Achieved;
 use crate::input::OrderModel;
 
@@ -55,5 +55,9 @@ impl<const N: usize, E: Env<N>> Env<N> for InOrder<'_, E, N> {
     fn step(&mut self, action: &[f32], observation: &mut [f32]) -> Result<Achieved<N>, EnvError> {
         let achieved = self.env.step(action, &mut self.given)?;
         Ok(self.reordered(achieved, observation))
+    }
+
+    fn end(&self) -> Option<End> {
+        self.env.end()
     }
 }

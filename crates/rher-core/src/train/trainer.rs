@@ -420,7 +420,6 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
         let storing = Instant::now();
         let spec = self.envs[0].spec();
         let (tolerances, last_stage) = (spec.tolerances, spec.last_stage());
-        self.state.env_steps += (count * spec.episode_steps) as u64;
         let (mut acting, mut playing) = (Duration::ZERO, Duration::ZERO);
         for Played { seed: env_seed, episode, choices, acting: of_actor, playing: of_all } in played
         {
@@ -440,6 +439,7 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
             self.relabeler.observe(&episode, &self.stages, encoder, &mut rng);
             self.replay.push(&episode);
             self.state.episodes += 1;
+            self.state.env_steps += episode.steps() as u64;
         }
         // Episodes are played side by side: the wall clock is shared out as their own time is.
         let inference = acting.div_duration_f64(playing) * (storing - started).as_secs_f64();
@@ -480,14 +480,19 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
             envs,
             ..
         } = &state.config;
-        let (seed, rounds) = (*seed, *updates_per_episode * envs);
+        let seed = *seed;
         let AgentConfig { target_noise, target_every, .. } = *agent;
         if state.episodes <= *warmup_episodes {
             return Ok(None);
         }
         let rows = |batch: &SubtaskBatch<N>| batch.rows(*focus, &state.curriculum);
         let rows: Vec<Vec<Range<usize>>> = batches.iter().map(rows).collect();
-        let all = (rounds * batches.len()) as u64;
+        // As many in all as belong to the steps in all: an episode that ends early has fewer.
+        let due = |env_steps: u64| {
+            env_steps * *updates_per_episode as u64 / self.envs[0].spec().episode_steps as u64
+        };
+        let before = state.env_steps - replay.newest_steps(*envs) as u64;
+        let all = (due(state.env_steps) - due(before)) * batches.len() as u64;
         // All of it inside the pool: entering it anew for every update would wait each time until
         // a busy machine lets the pool's thread on.
         let done = pool.install(|| {

@@ -159,7 +159,8 @@ impl Slice {
         }
     }
 
-    /// y = clip(r + γ min(Q₁′, Q₂′)(s′, clip(π′(s′) + clip(σ ε, ±c), ±1)), [−1/(1−γ), 0])
+    /// y = clip(r + γ min(Q₁′, Q₂′)(s′, clip(π′(s′) + clip(σ ε, ±c), ±1)), [−1/(1−γ), 0]), with
+    /// r/(1−γ) in place of the minimum where the episode ended.
     fn find_targets(&mut self, job: Job<'_>) {
         let Job { machine, config, actor, critics, batch, noise } = job;
         let (count, action) = (self.rows.len(), batch.action_dim);
@@ -197,8 +198,11 @@ impl Slice {
             }
         }
         let lowest = config.lowest_return();
-        for (target, reward) in self.targets.iter_mut().zip(&batch.rewards[self.rows.clone()]) {
-            *target = (reward + config.discount * *target).clamp(lowest, 0.0);
+        let ended = &batch.ended[self.rows.clone()];
+        let rewards = batch.rewards[self.rows.clone()].iter().zip(ended);
+        for (target, (reward, ended)) in self.targets.iter_mut().zip(rewards) {
+            let after = if *ended { config.repeated(*reward) } else { *target };
+            *target = (reward + config.discount * after).clamp(lowest, 0.0);
         }
     }
 

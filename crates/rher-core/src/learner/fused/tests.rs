@@ -56,6 +56,7 @@ fn draw_batch(rows: usize, rng: &mut impl Rng) -> Batch {
         inputs: normals(rows * INPUT, rng),
         actions: (0..rows * ACTION).map(|_| rng.random_range(-1.0..1.0)).collect(),
         rewards: (0..rows).map(|_| -f32::from(rng.random_bool(0.7))).collect(),
+        ended: (0..rows).map(|_| rng.random_bool(0.3)).collect(),
         next_inputs: normals(rows * INPUT, rng),
         imitates: (0..rows).map(|_| rng.random()).collect(),
         simpler_inputs: normals(rows * INPUT, rng),
@@ -152,9 +153,10 @@ fn bellman_targets(
         .collect();
     (0..batch.rows())
         .map(|row| {
+            let (reward, discount) = (f64::from(batch.rewards[row]), f64::from(config.discount));
             let least = values.iter().map(|q| q[row]).fold(f64::INFINITY, f64::min);
-            (f64::from(batch.rewards[row]) + f64::from(config.discount) * least)
-                .clamp(f64::from(config.lowest_return()), 0.0)
+            let after = if batch.ended[row] { reward / (1.0 - discount) } else { least };
+            (reward + discount * after).clamp(f64::from(config.lowest_return()), 0.0)
         })
         .collect()
 }
