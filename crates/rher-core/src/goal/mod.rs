@@ -6,6 +6,7 @@
 
 mod encoding;
 mod metric;
+mod position;
 mod reward;
 mod scene;
 mod stage;
@@ -14,10 +15,11 @@ mod tolerances;
 
 pub use encoding::{EncodedGoal, Slot};
 pub use metric::Metric;
+pub use position::Position;
+pub(crate) use position::unit;
 pub use reward::{FAILURE, SUCCESS};
-pub use scene::{Achieved, Desired, LaterObjects, Position, Scene};
+pub use scene::{Achieved, Desired, LaterObjects, Scene};
 pub use stage::{Leg, Stage};
 pub(crate) use tail::{TAIL_INPUTS, Tail};
 pub use tail::{TAIL_NUMBERS, TailError, TailPart, TailSpec, Tails};
 pub use tolerances::Tolerances;
-pub(crate) use tolerances::unit;

@@ -1,6 +1,6 @@
 //! The sparse reward: a pure function of what was asked and what was reached.
 
-use super::tolerances::is_within;
+use super::position::is_within;
 use super::{Achieved, EncodedGoal, Tolerances};
 
 /// Reward of a step that ends with every slot of the goal met.

@@ -1,20 +1,10 @@
 //! Where the gripper and the objects are, and what else goals say of them, as reached and as asked
 //! for.
 
+use super::position::Position;
 use super::tail::{Tail, Tails};
 use crate::choice::choices;
-use nalgebra::Point3;
 use std::{array, iter};
-
-/// A point in the world frame, in meters.
-///
-/// ```
-/// use rher_core::Position;
-///
-/// let above = Position::new(1.3, 0.7, 0.4) + rher_core::nalgebra::Vector3::z() * 0.1;
-/// assert_eq!(above.z, 0.5);
-/// ```
-pub type Position = Point3<f32>;
 
 /// Where the gripper and each of `N` objects are; objects are in relay order.
 ///

@@ -1,6 +1,6 @@
 //! The relay: `2 N` stages, and sub-tasks that end at one of them.
 
-use super::tolerances::is_within;
+use super::position::is_within;
 use super::{Achieved, Desired, Tolerances};
 use serde::{Deserialize, Serialize};
 

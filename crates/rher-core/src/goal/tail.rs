@@ -1,8 +1,7 @@
 //! What a goal says of an object beside its position: the tail of the object's slot.
 
-use super::Position;
 use super::metric::Metric;
-use super::tolerances::{is_within, unit};
+use super::position::{Position, is_within, unit};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use std::{array, fmt};

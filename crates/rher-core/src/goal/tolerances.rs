@@ -1,18 +1,9 @@
 //! How near counts as there.
 
+#[cfg(feature = "train")]
+use super::position::unit;
 use super::tail::{Tail, TailSpec};
 use super::{Achieved, Desired, Position, Scene};
-
-/// Whether two points are at most `tolerance` meters apart.
-#[inline]
-pub(crate) fn is_within(a: &Position, b: &Position, tolerance: f32) -> bool {
-    nalgebra::distance(a, b) <= tolerance
-}
-
-/// A tolerance to measure in: one of 0 is allowed, and is no unit.
-pub(crate) fn unit(tolerance: f32) -> f32 {
-    tolerance.max(0.001)
-}
 
 /// How near counts as there, by slot.
 ///
