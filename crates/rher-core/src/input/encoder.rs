@@ -180,7 +180,8 @@ impl InputEncoder {
 
     /// Takes the slots of a goal that are not blank into the statistics.
     pub fn observe_goal<const N: usize>(&mut self, now: &Achieved<N>, goal: &EncodedGoal<N>) {
-        let goal = self.seen(now, goal);
+        let mut staying = None;
+        let goal = self.seen(now, goal, &mut staying);
         for (index, (slot, place)) in goal.slots().zip(now.0.places()).enumerate() {
             let alike = match self.turns {
                 Some(_) if index > 0 => 1..N + 1,
@@ -188,12 +189,20 @@ impl InputEncoder {
             };
             if let Some(wanted) = slot {
                 let seen = in_frame(self.frame, wanted, place);
-                let mut tail = [0.0; TAIL_INPUTS];
-                if let Some(object) = index.checked_sub(1) {
-                    self.write_tail(goal.tail(object), now.0.tails.of_object(object), &mut tail);
-                }
-                for statistics in &mut self.slots[alike] {
-                    statistics.observe(seen.into_iter().chain(tail));
+                match index.checked_sub(1).filter(|_| !self.tail.is_none()) {
+                    None => {
+                        for statistics in &mut self.slots[alike] {
+                            statistics.observe(seen);
+                        }
+                    }
+                    Some(object) => {
+                        let mut tail = [0.0; TAIL_INPUTS];
+                        let reached = now.0.tails.of_object(object);
+                        self.write_tail(goal.tail(object), reached, &mut tail);
+                        for statistics in &mut self.slots[alike] {
+                            statistics.observe(seen.into_iter().chain(tail));
+                        }
+                    }
                 }
             }
         }
@@ -214,7 +223,8 @@ impl InputEncoder {
         row: &mut [f32],
     ) {
         debug_assert_eq!(row.len(), self.width());
-        let goal = &self.seen(now, goal);
+        let mut staying = None;
+        let goal = self.seen(now, goal, &mut staying);
         let (head, tail) = row.split_at_mut(self.observation.width());
         let first = match &self.turns {
             None => {
@@ -262,10 +272,16 @@ impl InputEncoder {
         }
     }
 
-    /// The goal as the networks see it: where goals have no positions, objects stay where they are.
+    /// The goal as the networks see it: where goals have no positions, objects stay where they are,
+    /// in a copy that is put into `staying`.
     #[inline]
-    fn seen<const N: usize>(&self, now: &Achieved<N>, goal: &EncodedGoal<N>) -> EncodedGoal<N> {
-        if self.tail.has_positions() { *goal } else { goal.staying(now) }
+    fn seen<'a, const N: usize>(
+        &self,
+        now: &Achieved<N>,
+        goal: &'a EncodedGoal<N>,
+        staying: &'a mut Option<EncodedGoal<N>>,
+    ) -> &'a EncodedGoal<N> {
+        if self.tail.has_positions() { goal } else { staying.insert(goal.staying(now)) }
     }
 
     /// Writes what the networks see of a tail that is wanted, before it is normalized.
