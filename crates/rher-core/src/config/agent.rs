@@ -211,6 +211,7 @@ impl AgentConfig {
     }
 
     /// The return of a reward that repeats forever.
+    #[cfg(feature = "train")]
     pub(crate) fn repeated(&self, reward: f32) -> f32 {
         reward / (1.0 - self.discount)
     }
