@@ -9,8 +9,10 @@ use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rher_core::Names;
-use rher_core::env::{Env, EnvError, EnvSpec, Start};
-use rher_core::goal::{Achieved, Desired, Metric, Position, Scene, TailPart, TailSpec, Tolerances};
+use rher_core::env::{End, Env, EnvError, EnvSpec, Start};
+use rher_core::goal::{
+    Achieved, Desired, EncodedGoal, Metric, Position, Scene, TailPart, TailSpec, Tolerances,
+};
 use std::array;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -70,9 +72,10 @@ pub(crate) struct Foreign<const N: usize> {
     layout: GoalLayout,
     /// Whether its goal is a place for the gripper.
     is_reach: bool,
+    /// What this episode asks for.
     desired: Desired<N>,
-    /// Steps of this episode.
-    step: usize,
+    /// How it ended.
+    end: Option<End>,
     /// What it returned last; kept to save allocations.
     seen: Seen,
     raised: Raised,
@@ -80,19 +83,16 @@ pub(crate) struct Foreign<const N: usize> {
 
 /// An environment did not do what was expected.
 #[derive(Debug, thiserror::Error)]
-enum ForeignError {
-    #[error("it raised {0}")]
-    Raised(String),
-    #[error(
-        "it ended its episode after {step} steps, expected {expected}: every episode must have \
-         the same number of steps; wrap an environment that ends on success, so that its `step` \
-         returns `terminated=False`"
-    )]
-    EndedEarly { step: usize, expected: usize },
-}
+#[error("it raised {0}")]
+struct ForeignError(String);
 
 impl<const N: usize> Foreign<N> {
-    pub(crate) fn new(env: Py<PyAny>, about: &About, raised: Raised) -> PyResult<Self> {
+    /// Environments that are all like this.
+    pub(crate) fn all(envs: Vec<Py<PyAny>>, about: &About, raised: &Raised) -> PyResult<Vec<Self>> {
+        envs.into_iter().map(|env| Self::new(env, about, raised.clone())).collect()
+    }
+
+    fn new(env: Py<PyAny>, about: &About, raised: Raised) -> PyResult<Self> {
         let About { name, objects, observation, action, episode_steps, tolerance, .. } = about;
         let (tail, places) = (about.tail()?, &about.places);
         if !tail.has_positions() && places.objects.as_ref().is_none_or(|it| it.len() != N) {
@@ -106,6 +106,8 @@ impl<const N: usize> Foreign<N> {
             variant: variant.map_err(|error| InputError::new_err(told(&error)))?,
             subtasks: if is_reach { 1 } else { 2 * N },
             tolerances: Tolerances { tail, ..Tolerances::uniform(*tolerance) },
+            mirrors: places.symmetries.mirrors(),
+            permutations: places.symmetries.permutations()?,
             names: Names {
                 tail: about.tail.iter().map(|part| part.name.clone()).collect(),
                 ..Names::default()
@@ -113,29 +115,47 @@ impl<const N: usize> Foreign<N> {
             ..EnvSpec::new(name, *observation, *action, *episode_steps)
         };
         let desired = Desired::of_task([Position::origin(); N]);
-        let (places, layout) = (places.clone(), GoalLayout { axes: 3, tail });
-        let (step, seen) = (0, Seen::default());
-        Ok(Self { env, spec, places, layout, is_reach, desired, step, seen, raised })
+        let (places, layout) = (places.clone(), GoalLayout { axes: places.axes, tail });
+        let (end, seen) = (None, Seen::default());
+        Ok(Self { env, spec, places, layout, is_reach, desired, end, seen, raised })
     }
 
-    /// What Python returned last: the observation, and the goals.
-    fn scene(&self, observation: &mut [f32]) -> (Achieved<N>, Desired<N>) {
-        let Self { seen: Seen { observation: seen, achieved, desired }, places, layout, .. } = self;
+    /// The position of the observation that Python returned last.
+    fn observed(&self, place: usize) -> Position {
+        position(&self.seen.observation[place..], self.layout.axes)
+    }
+
+    /// Where the objects are in it, where goals do not say that.
+    fn observed_objects(&self) -> [Position; N] {
+        let places = self.places.objects.as_deref().unwrap_or_default();
+        array::from_fn(|object| self.observed(places[object]))
+    }
+
+    /// What the episode asks for that begins with what Python returned last.
+    fn wanted(&self) -> Desired<N> {
+        let Self { seen: Seen { desired, .. }, layout, .. } = self;
+        let targets = layout.positions(desired).unwrap_or_else(|| self.observed_objects());
+        Desired::of_task(targets).with_tails(layout.tails(desired))
+    }
+
+    /// What Python returned last, in this episode.
+    fn scene(&self, observation: &mut [f32]) -> Achieved<N> {
+        let Self { seen: Seen { observation: seen, achieved, .. }, layout, .. } = self;
         observation.copy_from_slice(seen);
-        let at = |place: usize| position(&seen[place..], layout.axes);
-        let observed = || {
-            let places = places.objects.as_deref().unwrap_or_default();
-            array::from_fn(|object| at(places[object]))
-        };
-        let targets = layout.positions(desired);
-        let objects = match targets {
+        let objects = if self.is_reach {
             // What is to be reached stays where it is.
-            Some(targets) if self.is_reach => targets,
-            _ => layout.positions(achieved).unwrap_or_else(observed),
+            *self.desired.objects()
+        } else {
+            layout.positions(achieved).unwrap_or_else(|| self.observed_objects())
         };
-        let scene = Scene::new(at(places.gripper), objects).with_tails(layout.tails(achieved));
-        let wanted = Desired::of_task(targets.unwrap_or(objects));
-        (Achieved(scene), wanted.with_tails(layout.tails(desired)))
+        let gripper = self.observed(self.places.gripper);
+        Achieved(Scene::new(gripper, objects).with_tails(layout.tails(achieved)))
+    }
+
+    /// Whether the task is done at the end of an episode, as far as the goals tell.
+    fn is_solved(&self, achieved: &Achieved<N>) -> bool {
+        let goal = EncodedGoal::new(self.spec.last_stage(), achieved, &self.desired);
+        goal.is_met(achieved, &self.spec.tolerances)
     }
 }
 
@@ -163,6 +183,31 @@ impl Seen {
     }
 }
 
+/// How a step ended an episode, as Gymnasium has it.
+enum Ended {
+    /// `terminated`, and whether that was a success where the environment says so.
+    Terminated(Option<bool>),
+    /// `truncated`.
+    Truncated,
+}
+
+impl Ended {
+    /// Reads what a step returned.
+    fn read(result: &Bound<'_, PyAny>) -> PyResult<Option<Self>> {
+        if result.get_item(2)?.is_truthy()? {
+            let info = result.get_item(4)?;
+            let Ok(info) = info.cast::<PyDict>() else { return Ok(Some(Self::Terminated(None))) };
+            let success = match info.get_item("is_success")? {
+                Some(success) => Some(success),
+                None => info.get_item("success")?,
+            };
+            let success = success.map(|success| success.is_truthy()).transpose()?;
+            return Ok(Some(Self::Terminated(success)));
+        }
+        Ok(result.get_item(3)?.is_truthy()?.then_some(Self::Truncated))
+    }
+}
+
 impl<const N: usize> Env<N> for Foreign<N> {
     fn spec(&self) -> &EnvSpec<N> {
         &self.spec
@@ -178,25 +223,37 @@ impl<const N: usize> Env<N> for Foreign<N> {
             let result = env.bind(py).call_method(intern!(py, "reset"), (), Some(&arguments))?;
             seen.read(&result.get_item(0)?, observation.len(), layout.width() * N)
         })?;
-        let (achieved, desired) = self.scene(observation);
-        (self.desired, self.step) = (desired, 0);
-        Ok(Start { achieved, desired })
+        self.end = None;
+        self.desired = self.wanted();
+        let achieved = self.scene(observation);
+        Ok(Start { achieved, desired: self.desired })
     }
 
     fn step(&mut self, action: &[f32], observation: &mut [f32]) -> Result<Achieved<N>, EnvError> {
-        let Self { env, seen, layout, raised, .. } = self;
+        let Self { env, seen, layout, raised, places, .. } = self;
         let ended = call(raised, |py| {
-            let action = PyArray1::from_slice(py, action);
+            let mut action = action.to_vec();
+            if let Some(limits) = &places.limits {
+                limits.apply(&mut action);
+            }
+            let action = PyArray1::from_vec(py, action);
             let result = env.bind(py).call_method1(intern!(py, "step"), (action,))?;
             seen.read(&result.get_item(0)?, observation.len(), layout.width() * N)?;
-            Ok(result.get_item(2)?.is_truthy()? || result.get_item(3)?.is_truthy()?)
+            Ended::read(&result)
         })?;
-        self.step += 1;
-        let (step, expected) = (self.step, self.spec.episode_steps);
-        if ended && step < expected {
-            return Err(EnvError::new(ForeignError::EndedEarly { step, expected }));
-        }
-        Ok(self.scene(observation).0)
+        let achieved = self.scene(observation);
+        self.end = ended.map(|ended| match ended {
+            Ended::Truncated => End::Truncated,
+            Ended::Terminated(success) => {
+                let is_solved = success.unwrap_or_else(|| self.is_solved(&achieved));
+                if is_solved { End::Solved } else { End::Failed }
+            }
+        });
+        Ok(achieved)
+    }
+
+    fn end(&self) -> Option<End> {
+        self.end
     }
 }
 
@@ -206,7 +263,7 @@ fn call<T>(raised: &Raised, work: impl FnOnce(Python<'_>) -> PyResult<T>) -> Res
         work(py).map_err(|error| {
             let text = error.to_string();
             *raised.lock().unwrap_or_else(PoisonError::into_inner) = Some(error);
-            EnvError::new(ForeignError::Raised(text))
+            EnvError::new(ForeignError(text))
         })
     })
 }

@@ -59,6 +59,15 @@ impl Policy {
                  the gripper is"
             ))
         })?;
+        let width = policy.info().obs_dim;
+        let begin = std::iter::once(&places.gripper).chain(places.objects.iter().flatten());
+        let is_inside =
+            |begin: &usize| begin.checked_add(places.axes).is_some_and(|end| end <= width);
+        if !((2..=3).contains(&places.axes) && begin.into_iter().all(is_inside)) {
+            return Err(PolicyError::new_err(format!(
+                "the policy has positions outside of its {width} numbers: the file is damaged"
+            )));
+        }
         Ok(Self { frozen: Arc::new(policy), places, begun: None })
     }
 }
@@ -270,7 +279,7 @@ impl Policy {
 
     /// How its goals lie in arrays.
     fn layout(&self) -> GoalLayout {
-        GoalLayout { axes: 3, tail: *self.frozen.tail() }
+        GoalLayout { axes: self.places.axes, tail: *self.frozen.tail() }
     }
 
     /// What a row says: the scene, and what is asked for.
@@ -336,6 +345,9 @@ impl Policy {
             }
             let (scene, desired) = self.scene::<N>(given, row, stage.leg())?;
             actor.act(stage, observation, &scene, &desired, action).map_err(told)?;
+            if let Some(limits) = &self.places.limits {
+                limits.apply(action);
+            }
         }
         Ok(actions)
     }

@@ -109,11 +109,11 @@ impl Trainer {
         })?
     }
 
-    /// A run on the user's environment; `about` and `arguments` are JSON.
+    /// A run on the user's environments, all like the first; `about` and `arguments` are JSON.
     #[classmethod]
     fn of_env(
         cls: &Bound<'_, PyType>,
-        env: Py<PyAny>,
+        envs: Vec<Py<PyAny>>,
         about: &str,
         arguments: &str,
         out: Option<PathBuf>,
@@ -129,18 +129,18 @@ impl Trainer {
             let path = out.unwrap_or_else(|| RunDir::default_path(&config));
             let raised = Raised::default();
             let start = new_run(config, from_run)?;
-            let trainer = on_foreign(env, &about, start, workers, &raised)?;
+            let trainer = on_foreign(envs, &about, start, workers, &raised)?;
             let folder = RunDir::create(&path).map_err(from_run_dir)?;
             Self::ready(trainer, folder, None, raised)
         })?
     }
 
-    /// Continues a run: on `foreign` if it is of the user's environment.
+    /// Continues a run: on `foreign` if it is of the user's environments.
     #[classmethod]
     fn resumed(
         cls: &Bound<'_, PyType>,
         folder: PathBuf,
-        foreign: Option<(Py<PyAny>, String)>,
+        foreign: Option<(Vec<Py<PyAny>>, String)>,
         workers: Option<usize>,
         changes: &str,
     ) -> PyResult<Self> {
@@ -152,9 +152,9 @@ impl Trainer {
             let config = checkpoint::read_config(folder.path()).map_err(checkpointed)?;
             let start = Start::Resumed(folder.path().to_owned(), changes);
             let raised = Raised::default();
-            let (trainer, task) = if let Some((env, about)) = foreign {
+            let (trainer, task) = if let Some((envs, about)) = foreign {
                 let about = parse_about(&about)?;
-                (on_foreign(env, &about, start, workers, &raised)?, None)
+                (on_foreign(envs, &about, start, workers, &raised)?, None)
             } else {
                 let task: Task = config.task.parse().map_err(|_| {
                     InputError::new_err(format!(
@@ -394,19 +394,18 @@ fn new_run(config: TrainConfig, from_run: Option<PathBuf>) -> PyResult<Start> {
     })
 }
 
-/// A run on the user's environment.
+/// A run on the user's environments.
 fn on_foreign(
-    env: Py<PyAny>,
+    envs: Vec<Py<PyAny>>,
     about: &About,
     start: Start,
     workers: usize,
     raised: &Raised,
 ) -> PyResult<Box<dyn AnyTrainer>> {
-    let raised = raised.clone();
     let trainer = match about.objects {
-        0 | 1 => start.trainer(vec![Foreign::<1>::new(env, about, raised)?], workers),
-        2 => start.trainer(vec![Foreign::<2>::new(env, about, raised)?], workers),
-        3 => start.trainer(vec![Foreign::<3>::new(env, about, raised)?], workers),
+        0 | 1 => start.trainer(Foreign::<1>::all(envs, about, raised)?, workers),
+        2 => start.trainer(Foreign::<2>::all(envs, about, raised)?, workers),
+        3 => start.trainer(Foreign::<3>::all(envs, about, raised)?, workers),
         objects => {
             return Err(InputError::new_err(format!("objects is {objects}, expected 0 to 3")));
         }

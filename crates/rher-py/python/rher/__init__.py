@@ -9,7 +9,9 @@ Importing this package registers its environments with Gymnasium::
 """
 
 from rher import env as _env
+from rher._check_env import Problem, check
 from rher._rher import Policy, State, __version__, tasks
+from rher._test_symmetries import Tested, symmetries
 from rher.env import DENSE_IDS, IDS, TaskEnv
 from rher.errors import (
     ClusterError,
@@ -28,6 +30,7 @@ from rher.errors import (
 from rher.goals import Angle, Flag, Number, Quaternion
 from rher.run import Run
 from rher.step_log import StepLog, Taken
+from rher.symmetry import Image, Mirror, Permutation
 from rher.trainer import Trainer
 from rher.training import resume, train
 from rher.vector import TaskVectorEnv
@@ -40,12 +43,16 @@ __all__ = [
     "EnvError",
     "FileError",
     "Flag",
+    "Image",
     "InputError",
     "InternalError",
+    "Mirror",
     "MissingError",
     "Number",
+    "Permutation",
     "Policy",
     "PolicyError",
+    "Problem",
     "Quaternion",
     "RherError",
     "Run",
@@ -56,11 +63,14 @@ __all__ = [
     "Taken",
     "TaskEnv",
     "TaskVectorEnv",
+    "Tested",
     "TrackerError",
     "TrainError",
     "Trainer",
     "__version__",
+    "check",
     "resume",
+    "symmetries",
     "tasks",
     "train",
 ]

@@ -163,8 +163,10 @@ class Policy:
         :param observation: the dictionary that the environment returns; or its ``observation``
             alone, ``(observation_width,)`` or ``(batch, observation_width)``.
         :param goal: where the objects should be, ``(3 * objects,)`` or ``(batch, 3 * objects)``, in
-            meters; by default the ``desired_goal`` of the dictionary.
-        :return: numbers within -1 and 1, ``(action_width,)`` or ``(batch, action_width)``.
+            meters, or two numbers for each object where it was trained so; by default the
+            ``desired_goal`` of the dictionary.
+        :return: numbers within -1 and 1, or within the limits of the environment of yours that it
+            was trained in, ``(action_width,)`` or ``(batch, action_width)``.
         """
 
     def predict(
@@ -208,7 +210,7 @@ class Trainer:
     @classmethod
     def of_env(
         cls,
-        env: Any,
+        envs: list[Any],
         about: str,
         arguments: str,
         out: _Path | None,
@@ -217,7 +219,11 @@ class Trainer:
     ) -> Trainer: ...
     @classmethod
     def resumed(
-        cls, folder: _Path, foreign: tuple[Any, str] | None, workers: int | None, changes: str
+        cls,
+        folder: _Path,
+        foreign: tuple[list[Any], str] | None,
+        workers: int | None,
+        changes: str,
     ) -> Trainer: ...
     @property
     def folder(self) -> os.PathLike[str]: ...

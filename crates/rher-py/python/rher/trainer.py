@@ -1,20 +1,18 @@
 """Training on your own environments."""
 
 import json
+import threading
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import gymnasium
-import numpy as np
-from gymnasium import spaces
-
 from rher import _rher
+from rher._about import about as about_env
 from rher._arguments import path as as_path
-from rher._arguments import real, text, whole
-from rher.errors import EnvError, InputError
+from rher._arguments import real
+from rher._given_envs import Given, GivenEnvs
 from rher.goals import Tail
-from rher.goals import checked as checked_tail
 from rher.run import Run
+from rher.symmetry import Mirror, Permutation
 from rher.training import (
     Engine,
     Method,
@@ -37,41 +35,68 @@ class Trainer:
 
     The environment has the interface of Gymnasium-Robotics: observations are dictionaries with
     ``observation``, ``achieved_goal`` (where the objects are) and ``desired_goal`` (where they
-    should be), actions are within -1 and 1, and every episode has the same number of steps. Its
-    reward is ignored: the reward is 0 where every object is within ``tolerance`` of its
-    place, and -1 elsewhere. Only ``reset`` and ``step`` are called.
+    should be), and perhaps more, which is not used. Its reward is ignored: the reward is 0 where
+    every object is within ``tolerance`` of its place, and -1 elsewhere. Only ``reset`` and ``step``
+    are called.
+
+    Episodes may differ in length. One that is ``truncated`` is learned from as one of all steps is.
+    One that is ``terminated`` stays as it ended: its last reward repeats forever. It ended on success
+    where its ``info`` says so (``is_success`` or ``success``), or, without that, where the goal is
+    reached; in other goals that it is replayed for it did not end. Every other end is a failure, for
+    every goal. An episode counts as solved if its last state is within ``tolerance``.
+
+    Actions and the policy that is learned are in the units of the environment's ``action_space``.
 
     >>> env = gymnasium.make("FetchPush-v4")
     >>> trainer = rher.Trainer(env, objects=1, gripper=slice(0, 3), preset="paper")
     >>> run = trainer.learn(env_steps=80_000)
     >>> action = trainer.policy(env.reset()[0])
 
-    :param env: the environment.
+    Several environments are played side by side, each in a process of its own, which pays where their
+    steps are dear: pass a list of functions that make one each, such as ``[make] * 2``. A
+    ``SyncVectorEnv`` of Gymnasium is taken apart and played in this process. Of an ``AsyncVectorEnv``
+    and of what ``gymnasium.make_vec`` made, the environments are made once more, each in a process of
+    its own; the vector environment itself is not used, and can be closed. Every episode is reset by
+    its seed, so that no ``autoreset_mode`` plays a part, and a run depends on the number of
+    environments, but not on their speed.
+
+    :param env: the environment, a vector environment, or a list of functions.
     :param objects: how many objects it has (1 to 3), three numbers of a goal for each, in the order
         in which they are to be placed; 0 if the goal is a place for the gripper itself.
-    :param gripper: slice of ``observation`` that holds the position of the gripper, in meters.
+    :param gripper: slice of ``observation`` that holds the position of the gripper, in meters; by
+        default its first numbers. Positions have three numbers, or two where the goals have two for
+        each object: their height is then 0.
     :param tolerance: distance below which a goal counts as reached, in meters; by default
-        ``env.unwrapped.distance_threshold``, or 0.05 without one.
+        ``env.unwrapped.distance_threshold``, or that of ``env.unwrapped.task``, or 0.05 without one.
     :param tail: what a goal says of each object after its three numbers of position, or instead of
         them: a list of :class:`rher.Number`, :class:`rher.Angle`, :class:`rher.Quaternion` and
         :class:`rher.Flag`, each with a tolerance. A goal is reached where every object is within
         ``tolerance`` of its place and within the tolerance of every part.
     :param positions: slices of ``observation`` that hold the position of each object, where goals
         have none: the hand learns to reach an object before it learns to change it.
-    :param episode_steps: number of steps of every episode; by default that of ``gymnasium.make``.
+    :param episode_steps: the most steps of an episode; by default that of ``gymnasium.make``, or else
+        that of an episode of random actions that is truncated.
     :param name: name of the environment in the run and in its policy.
     :param seed: as in :func:`rher.train`, like the parameters that follow.
     :param from_run: as in :func:`rher.train`; its environment has the same dimensions and as many
         objects.
     :param resume: folder of a run on this environment to continue with its own settings.
+    :param step_timeout: seconds after which a ``step`` or ``reset`` that has not returned is given up
+        with an error, and everything before its episode is saved; by default never. An environment in
+        this process that keeps Python's lock cannot be given up: use a process.
+    :param mirrors: the scene's planes of symmetry, each perpendicular to another axis; how often rows
+        are mirrored is the setting ``relay.mirror``.
+    :param permutations: orders in which interchangeable objects may be given, besides the usual one;
+        ``relay.exchange`` and ``relay.object_order`` are about them. Both kinds of symmetries must be
+        the same when a run is resumed, and :func:`rher.symmetries` tests whether they hold.
     """
 
     def __init__(
         self,
-        env: gymnasium.Env[Any, Any],
+        env: Given,
         *,
         objects: int = 1,
-        gripper: slice = slice(0, 3),
+        gripper: slice | None = None,
         tolerance: float | None = None,
         tail: Sequence[Tail] = (),
         positions: Sequence[slice] | None = None,
@@ -90,35 +115,58 @@ class Trainer:
         workers: int | None = None,
         from_run: Path | None = None,
         resume: Path | None = None,
+        step_timeout: float | None = None,
+        mirrors: Sequence[Mirror] = (),
+        permutations: Sequence[Permutation] = (),
     ) -> None:
-        about = json.dumps(
-            _about(env, objects, gripper, tolerance, tail, positions, episode_steps, name)
-        )
-        if resume is None:
-            arguments = arguments_as_json(
-                seed=seed,
-                preset=preset,
-                set=set,
-                config=config,
-                method=method,
-                env_steps=env_steps,
-                until=until,
-                engine=engine,
-                precision=precision,
+        if step_timeout is not None:
+            step_timeout = real("step_timeout", step_timeout, 0.001, threading.TIMEOUT_MAX)
+        self._given = GivenEnvs(env, step_timeout)
+        try:
+            first = self._given.first
+            about = about_env(
+                first,
+                objects,
+                gripper,
+                tolerance,
+                tail,
+                positions,
+                episode_steps,
+                name,
+                mirrors,
+                permutations,
             )
-            self._trainer = _rher.Trainer.of_env(
-                env,
-                about,
-                arguments,
-                as_folder("out", out),
-                as_workers(workers),
-                as_folder("from_run", from_run),
-            )
-        else:
-            folder, changes = as_path("resume", resume), changes_as_json(engine, precision)
-            self._trainer = _rher.Trainer.resumed(
-                folder, (env, about), as_workers(workers), changes
-            )
+            self._given.looked()
+            envs, about_json = self._given.envs, json.dumps(about)
+            if resume is None:
+                arguments = arguments_as_json(
+                    seed=seed,
+                    preset=preset,
+                    set=set,
+                    config=config,
+                    method=method,
+                    env_steps=env_steps,
+                    until=until,
+                    engine=engine,
+                    precision=precision,
+                    envs=len(envs) if len(envs) > 1 else None,
+                )
+                self._trainer = _rher.Trainer.of_env(
+                    envs,
+                    about_json,
+                    arguments,
+                    as_folder("out", out),
+                    as_workers(workers),
+                    as_folder("from_run", from_run),
+                )
+            else:
+                folder, changes = as_path("resume", resume), changes_as_json(engine, precision)
+                self._trainer = _rher.Trainer.resumed(
+                    folder, (envs, about_json), as_workers(workers), changes
+                )
+        except BaseException:
+            self._given.close()
+            raise
 
     @property
     def policy(self) -> "_rher.Policy":
@@ -162,137 +210,14 @@ class Trainer:
         )
 
     def close(self) -> None:
-        """Releases the folder of the run, so that it can be resumed elsewhere."""
+        """Releases the folder of the run, so that it can be resumed elsewhere, and ends the processes
+        of environments that were made for it.
+        """
         self._trainer.close()
+        self._given.close()
 
     def __enter__(self) -> "Trainer":
         return self
 
     def __exit__(self, *_: object) -> None:
         self.close()
-
-
-def _about(
-    env: gymnasium.Env[Any, Any],
-    objects: int,
-    gripper: slice,
-    tolerance: float | None,
-    tail: Sequence[Tail],
-    positions: Sequence[slice] | None,
-    episode_steps: int | None,
-    name: str | None,
-) -> dict[str, Any]:
-    """What the learner needs to know about an environment, after checking that it can be learned."""
-    objects = whole("objects", objects, 0, 3)
-    observation_space, action_space = env.observation_space, env.action_space
-    keys = ("observation", "achieved_goal", "desired_goal")
-    if not isinstance(observation_space, spaces.Dict) or not all(
-        isinstance(observation_space.spaces.get(key), spaces.Box)
-        and len(observation_space[key].shape) == 1
-        for key in keys
-    ):
-        raise InputError(
-            f"the observation space is {observation_space}, expected a Dict with the one-dimensional "
-            f"Boxes {', '.join(keys)}"
-        )
-    width, *goals = (observation_space[key].shape[0] for key in keys)
-    parts = checked_tail(tail)
-    numbers = sum(part.numbers for part in tail)
-    if parts and objects == 0:
-        raise InputError(
-            "objects is 0 and tail is not empty, expected no tail where the goal is a place for the "
-            "gripper"
-        )
-    count = max(objects, 1)
-    has_positions = goals != [numbers * count] * 2 or not parts
-    goal = (3 + numbers) * count
-    if has_positions and goals != [goal, goal]:
-        instead = f", or {numbers * count} where goals have no positions" if parts else ""
-        raise InputError(
-            f"goals have {goals} numbers, expected {goal} each for objects={objects}"
-            + (f" and a tail of {numbers}{instead}" if parts else "")
-        )
-    if not isinstance(action_space, spaces.Box) or len(action_space.shape) != 1:
-        raise InputError(f"the action space is {action_space}, expected a one-dimensional Box")
-    if not (np.all(action_space.low == -1) and np.all(action_space.high == 1)):
-        raise InputError(
-            f"the action space is {action_space}, expected -1 to 1: "
-            "gymnasium.wrappers.RescaleAction makes it so"
-        )
-    if not isinstance(gripper, slice):
-        raise InputError(f"gripper is {gripper!r}, expected a slice such as slice(0, 3)")
-    first, last, step = gripper.indices(width)
-    if step != 1 or last - first != 3:
-        raise InputError(f"gripper is {gripper}, expected three numbers of the {width} observed")
-    if has_positions and positions is not None:
-        raise InputError("positions is given, but goals have positions: leave it out")
-    if not has_positions and positions is None:
-        raise InputError(
-            f"goals have no positions, expected positions=[slice(...), ...]: {objects} slices of "
-            "observation that say where the objects are"
-        )
-    if positions is not None:
-        places: list[int] | None = _places(positions, objects, width)
-    else:
-        places = _find_objects(env, objects)
-    if episode_steps is None:
-        episode_steps = env.spec.max_episode_steps if env.spec is not None else None
-    episode_steps = whole("episode_steps", episode_steps, 1, 2**31 - 1)
-    if tolerance is None:
-        tolerance = getattr(env.unwrapped, "distance_threshold", 0.05)
-    tolerance = real("tolerance", tolerance, 0.0, float(np.finfo(np.float32).max))
-    if tolerance == 0:
-        raise InputError("tolerance is 0.0, expected a distance in meters")
-    if name is None:
-        name = env.spec.id if env.spec is not None else type(env.unwrapped).__name__
-    return {
-        "name": text("name", name).replace("/", "-"),
-        "objects": objects,
-        "observation": width,
-        "action": action_space.shape[0],
-        "episode_steps": episode_steps,
-        "tolerance": tolerance,
-        "has_positions": has_positions,
-        "tail": parts,
-        "places": {"gripper": first, "objects": places},
-    }
-
-
-def _places(positions: Sequence[slice], objects: int, width: int) -> list[int]:
-    """Where in observations the positions of the objects begin."""
-    places = []
-    for position in positions:
-        if not isinstance(position, slice):
-            raise InputError(f"positions has {position!r}, expected a slice such as slice(3, 6)")
-        first, last, step = position.indices(width)
-        if step != 1 or last - first != 3:
-            raise InputError(
-                f"positions has {position}, expected three numbers of the {width} observed"
-            )
-        places.append(first)
-    if len(places) != objects:
-        raise InputError(f"positions has {len(places)} slices, expected {objects}")
-    return places
-
-
-def _find_objects(env: gymnasium.Env[Any, Any], objects: int) -> list[int] | None:
-    """Where in observations the positions of the objects are, if all of them are there.
-
-    They are looked for at the beginning of two episodes. Only calls of a policy without
-    ``achieved_goal`` need them.
-    """
-    places: list[list[int]] = []
-    for seed in range(2):
-        try:
-            seen, _ = env.reset(seed=seed)
-        except Exception as error:
-            raise EnvError(f"the environment cannot be reset: {error}") from error
-        observation = np.asarray(seen["observation"])
-        for index, position in enumerate(np.reshape(seen["achieved_goal"], (max(objects, 1), -1))[:objects, :3]):
-            windows = np.lib.stride_tricks.sliding_window_view(observation, 3)
-            here = np.flatnonzero((windows == position).all(axis=1)).tolist()
-            if seed == 0:
-                places.append(here)
-            else:
-                places[index] = [place for place in places[index] if place in here]
-    return [place[0] for place in places] if objects and all(places) else None

@@ -76,6 +76,15 @@ pub enum OnnxError {
         /// What its goals are.
         goals: String,
     },
+    /// The numbers of the policy are not those that a model has.
+    #[error(
+        "the policy of `{task}` has actions or positions that cannot be exported: expected actions \
+         within -1 and 1, and positions of three numbers"
+    )]
+    Units {
+        /// What it was trained for.
+        task: String,
+    },
     /// The model would have another name than that of an ONNX model.
     #[error("the model is `{}`, expected a name that ends in .onnx", path.display())]
     Name {
@@ -113,6 +122,9 @@ impl OnnxModel {
         let tail = policy.encoder.tail;
         if !tail.is_none() {
             return Err(OnnxError::Goals { task: task(), goals: tail.to_string() });
+        }
+        if has_own_units(&policy) {
+            return Err(OnnxError::Units { task: task() });
         }
         let gripper = gripper(&policy).ok_or_else(|| OnnxError::NoGripper { task: task() })?;
         let policy_sha256 = sha256(file);
@@ -163,6 +175,14 @@ fn gripper(policy: &Policy) -> Option<usize> {
         let is_inside = place.checked_add(3)? <= policy.info().obs_dim;
         is_inside.then_some(place)
     })
+}
+
+/// Whether it is of someone else's environment, whose actions have other limits, or whose positions
+/// have no height.
+fn has_own_units(policy: &Policy) -> bool {
+    let settings = serde_json::from_str(&policy.info().variant);
+    let settings: serde_json::Value = settings.unwrap_or_default();
+    ["limits", "axes"].iter().any(|key| settings.get(key).is_some_and(|it| !it.is_null()))
 }
 
 fn graph_of(policy: &Policy, policy_sha256: &str, gripper: usize) -> ModelProto {
