@@ -1,6 +1,7 @@
 //! An environment that someone else wrote in Python, as the learner sees it.
 
 use crate::arrays::read_as_is;
+use crate::calls::Calls;
 use crate::error::{InputError, told};
 use crate::goals::{GoalLayout, position};
 use crate::places::Places;
@@ -14,7 +15,6 @@ use rher_core::goal::{
     Achieved, Desired, EncodedGoal, Metric, Position, Scene, TailPart, TailSpec, Tolerances,
 };
 use std::array;
-use std::sync::{Arc, Mutex, PoisonError};
 
 /// What Python says about its environment.
 #[derive(Clone, serde::Deserialize)]
@@ -61,9 +61,6 @@ impl About {
     }
 }
 
-/// The exception that an environment raised, which errors of the core cannot carry.
-pub(crate) type Raised = Arc<Mutex<Option<PyErr>>>;
-
 /// A Gymnasium environment with dictionaries of `observation`, `achieved_goal`, `desired_goal`.
 pub(crate) struct Foreign<const N: usize> {
     env: Py<PyAny>,
@@ -78,21 +75,16 @@ pub(crate) struct Foreign<const N: usize> {
     end: Option<End>,
     /// What it returned last; kept to save allocations.
     seen: Seen,
-    raised: Raised,
+    calls: Calls,
 }
-
-/// An environment did not do what was expected.
-#[derive(Debug, thiserror::Error)]
-#[error("it raised {0}")]
-struct ForeignError(String);
 
 impl<const N: usize> Foreign<N> {
     /// Environments that are all like this.
-    pub(crate) fn all(envs: Vec<Py<PyAny>>, about: &About, raised: &Raised) -> PyResult<Vec<Self>> {
-        envs.into_iter().map(|env| Self::new(env, about, raised.clone())).collect()
+    pub(crate) fn all(envs: Vec<Py<PyAny>>, about: &About, calls: &Calls) -> PyResult<Vec<Self>> {
+        envs.into_iter().map(|env| Self::new(env, about, calls.clone())).collect()
     }
 
-    fn new(env: Py<PyAny>, about: &About, raised: Raised) -> PyResult<Self> {
+    fn new(env: Py<PyAny>, about: &About, calls: Calls) -> PyResult<Self> {
         let About { name, objects, observation, action, episode_steps, tolerance, .. } = about;
         let (tail, places) = (about.tail()?, &about.places);
         if !tail.has_positions() && places.objects.as_ref().is_none_or(|it| it.len() != N) {
@@ -117,7 +109,7 @@ impl<const N: usize> Foreign<N> {
         let desired = Desired::of_task([Position::origin(); N]);
         let (places, layout) = (places.clone(), GoalLayout { axes: places.axes, tail });
         let (end, seen) = (None, Seen::default());
-        Ok(Self { env, spec, places, layout, is_reach, desired, end, seen, raised })
+        Ok(Self { env, spec, places, layout, is_reach, desired, end, seen, calls })
     }
 
     /// The position of the observation that Python returned last.
@@ -216,8 +208,8 @@ impl<const N: usize> Env<N> for Foreign<N> {
     fn reset(&mut self, seed: u64, observation: &mut [f32]) -> Result<Start<N>, EnvError> {
         // Some environments take no larger seeds.
         let seed = seed & 0x7fff_ffff;
-        let Self { env, seen, layout, raised, .. } = self;
-        call(raised, |py| {
+        let Self { env, seen, layout, calls, .. } = self;
+        calls.call(|py| {
             let arguments = PyDict::new(py);
             arguments.set_item(intern!(py, "seed"), seed)?;
             let result = env.bind(py).call_method(intern!(py, "reset"), (), Some(&arguments))?;
@@ -230,8 +222,8 @@ impl<const N: usize> Env<N> for Foreign<N> {
     }
 
     fn step(&mut self, action: &[f32], observation: &mut [f32]) -> Result<Achieved<N>, EnvError> {
-        let Self { env, seen, layout, raised, places, .. } = self;
-        let ended = call(raised, |py| {
+        let Self { env, seen, layout, calls, places, .. } = self;
+        let ended = calls.call(|py| {
             let mut action = action.to_vec();
             if let Some(limits) = &places.limits {
                 limits.apply(&mut action);
@@ -255,15 +247,4 @@ impl<const N: usize> Env<N> for Foreign<N> {
     fn end(&self) -> Option<End> {
         self.end
     }
-}
-
-/// Calls Python, and keeps what it raises.
-fn call<T>(raised: &Raised, work: impl FnOnce(Python<'_>) -> PyResult<T>) -> Result<T, EnvError> {
-    Python::attach(|py| {
-        work(py).map_err(|error| {
-            let text = error.to_string();
-            *raised.lock().unwrap_or_else(PoisonError::into_inner) = Some(error);
-            EnvError::new(ForeignError(text))
-        })
-    })
 }

@@ -10,6 +10,7 @@ mod any_pool;
 mod any_recorder;
 mod any_trainer;
 mod arrays;
+mod calls;
 mod command;
 mod env;
 mod error;

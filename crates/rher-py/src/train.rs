@@ -2,10 +2,11 @@
 
 use crate::any_recorder::{self, Recorded};
 use crate::any_trainer::{AnyTrainer, Changes, OfTask, Start};
+use crate::calls::Calls;
 use crate::error::{
     FileError, InputError, InternalError, SettingsError, StateError, told, unlocked,
 };
-use crate::foreign::{About, Foreign, Raised};
+use crate::foreign::{About, Foreign};
 use crate::policy::Policy;
 use crate::run_error::{
     from_checkpoint, from_files, from_run_dir, from_settings, from_train, from_write,
@@ -28,7 +29,7 @@ use std::num::NonZeroU64;
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 use std::sync::mpsc::{Sender, channel};
-use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
+use std::sync::{Mutex, MutexGuard, TryLockError};
 use std::time::{Duration, Instant};
 
 /// The settings that Python passes.
@@ -77,7 +78,7 @@ struct Session {
     task: Option<Task>,
     trainer: Box<dyn AnyTrainer>,
     files: RunFiles,
-    raised: Raised,
+    calls: Calls,
 }
 
 #[pymethods]
@@ -105,7 +106,7 @@ impl Trainer {
             let trainer = trainer.map_err(|error| SettingsError::new_err(told(&error)))?;
             let trainer = trainer.map_err(|error| from_train(&error, None))?;
             let folder = RunDir::create(&path).map_err(from_run_dir)?;
-            Self::ready(trainer, folder, Some(task), Raised::default())
+            Self::ready(trainer, folder, Some(task), Calls::default())
         })?
     }
 
@@ -127,11 +128,11 @@ impl Trainer {
             let config = settings::resolve_foreign(&about.name, about.objects.max(1), &asked)
                 .map_err(from_settings)?;
             let path = out.unwrap_or_else(|| RunDir::default_path(&config));
-            let raised = Raised::default();
+            let calls = Calls::default();
             let start = new_run(config, from_run)?;
-            let trainer = on_foreign(envs, &about, start, workers, &raised)?;
+            let trainer = on_foreign(envs, &about, start, workers, &calls)?;
             let folder = RunDir::create(&path).map_err(from_run_dir)?;
-            Self::ready(trainer, folder, None, raised)
+            Self::ready(trainer, folder, None, calls)
         })?
     }
 
@@ -151,10 +152,10 @@ impl Trainer {
             let checkpointed = |error: CheckpointError| from_checkpoint(&error);
             let config = checkpoint::read_config(folder.path()).map_err(checkpointed)?;
             let start = Start::Resumed(folder.path().to_owned(), changes);
-            let raised = Raised::default();
+            let calls = Calls::default();
             let (trainer, task) = if let Some((envs, about)) = foreign {
                 let about = parse_about(&about)?;
-                (on_foreign(envs, &about, start, workers, &raised)?, None)
+                (on_foreign(envs, &about, start, workers, &calls)?, None)
             } else {
                 let task: Task = config.task.parse().map_err(|_| {
                     InputError::new_err(format!(
@@ -169,7 +170,7 @@ impl Trainer {
                 let trainer = trainer.map_err(|error| SettingsError::new_err(told(&error)))?;
                 (trainer.map_err(|error| from_train(&error, None))?, Some(task))
             };
-            Self::ready(trainer, folder, task, raised)
+            Self::ready(trainer, folder, task, calls)
         })?
     }
 
@@ -254,11 +255,13 @@ impl Trainer {
         let session = open(&mut guard)?;
         let beside = unlocked(py, || session.beside(record_every, tensorboard))??;
         let stop = AtomicBool::new(false);
+        let calls = session.calls.clone();
+        calls.allow();
         let (ran, watched) = unlocked(py, || {
             std::thread::scope(|scope| {
                 let (tell, told) = channel();
                 let training = scope.spawn(|| session.run(beside, &stop, tell));
-                let watched = watch(&told, &stop, end, on_event.as_ref());
+                let watched = watch(&told, &stop, &calls, end, on_event.as_ref());
                 (training.join(), watched)
             })
         })?;
@@ -283,11 +286,11 @@ impl Trainer {
         trainer: Box<dyn AnyTrainer>,
         folder: RunDir,
         task: Option<Task>,
-        raised: Raised,
+        calls: Calls,
     ) -> PyResult<Self> {
         let path = folder.path().to_owned();
         let files = trainer.files(folder).map_err(from_files)?;
-        let session = Session { task, trainer, files, raised };
+        let session = Session { task, trainer, files, calls };
         Ok(Self { folder: path, session: Mutex::new(Some(session)) })
     }
 
@@ -303,7 +306,7 @@ impl Trainer {
 impl Session {
     /// Trains; what was learned before an environment failed is saved.
     fn run(&mut self, beside: Beside, stop: &AtomicBool, tell: Sender<Told>) -> PyResult<Finish> {
-        let Self { trainer, files, raised, .. } = self;
+        let Self { trainer, files, calls, .. } = self;
         let path = files.path().to_owned();
         let mut watch = Watch { files, beside, tell };
         let ran = trainer.run(&path, &mut watch, stop);
@@ -315,9 +318,12 @@ impl Session {
         if let Err(gone) = files.folder().check() {
             return Err(from_run_dir(gone));
         }
-        let raised = raised.lock().unwrap_or_else(PoisonError::into_inner).take();
+        let raised = calls.take_raised();
         if matches!(error, CoreTrainError::Rollout { .. } | CoreTrainError::Evaluate { .. }) {
             trainer.save(&path).map_err(|error| from_train(&error, None))?;
+            if calls.is_interrupted() {
+                return Ok(Finish::Stopped);
+            }
         }
         Err(from_train(&error, raised))
     }
@@ -400,12 +406,12 @@ fn on_foreign(
     about: &About,
     start: Start,
     workers: usize,
-    raised: &Raised,
+    calls: &Calls,
 ) -> PyResult<Box<dyn AnyTrainer>> {
     let trainer = match about.objects {
-        0 | 1 => start.trainer(Foreign::<1>::all(envs, about, raised)?, workers),
-        2 => start.trainer(Foreign::<2>::all(envs, about, raised)?, workers),
-        3 => start.trainer(Foreign::<3>::all(envs, about, raised)?, workers),
+        0 | 1 => start.trainer(Foreign::<1>::all(envs, about, calls)?, workers),
+        2 => start.trainer(Foreign::<2>::all(envs, about, calls)?, workers),
+        3 => start.trainer(Foreign::<3>::all(envs, about, calls)?, workers),
         objects => {
             return Err(InputError::new_err(format!("objects is {objects}, expected 0 to 3")));
         }

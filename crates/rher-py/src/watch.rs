@@ -1,6 +1,7 @@
 //! Those who watch a run that Python started: the files of its folder, and Python itself.
 
 use crate::any_recorder::AnyRecorder;
+use crate::calls::Calls;
 use crate::error::{InternalError, told};
 use pyo3::exceptions::PyRuntimeWarning;
 use pyo3::prelude::*;
@@ -107,10 +108,11 @@ impl Observer for Watch<'_> {
 }
 
 /// Tells Python of events, and lets it handle signals, until the run is over. An exception of
-/// either stops the run, and so does its `end`.
+/// either interrupts the run, and its `end` stops it after an episode.
 pub(crate) fn watch(
     heard: &Receiver<Told>,
     stop: &AtomicBool,
+    calls: &Calls,
     end: Option<Instant>,
     on_event: Option<&Py<PyAny>>,
 ) -> PyResult<()> {
@@ -138,6 +140,7 @@ pub(crate) fn watch(
             }
         });
         if let Err(error) = handled {
+            calls.interrupt();
             stop.store(true, Ordering::Relaxed);
             watched = Err(error);
         }

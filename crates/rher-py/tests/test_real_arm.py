@@ -195,7 +195,7 @@ def test_a_run_survives_the_end_of_its_process_and_a_computer_that_sleeps(out):
     assert said.split() == [str(30 * STEPS), "0"]
 
 
-def test_an_episode_in_which_the_computer_was_asleep_is_cut_off():
+def test_an_episode_in_which_the_computer_was_asleep_is_cut_off(out):
     class Sleepy(RealArm):
         def step(self, action):
             if self.taken == 10 and self.naps:
@@ -214,6 +214,15 @@ def test_an_episode_in_which_the_computer_was_asleep_is_cut_off():
     moved = arm.hand.copy()
     arm.sleep(1.0)
     assert np.array_equal(arm.hand, moved)
+
+    env.naps = 2
+    logged = rher.StepLog(env, out.with_suffix(".jsonl"))
+    training = trainer(logged, out)
+    training.learn(env_steps=5 * STEPS)
+    # Two of the episodes had eleven steps, and all were learned from.
+    assert training.env_steps >= 5 * STEPS
+    assert (training.env_steps - 2 * 11) % STEPS == 0
+    assert logged.taken.aborted_episodes == 0
 
 
 def test_an_episode_without_readings_is_cut_off():
@@ -253,3 +262,44 @@ def test_the_terminal_is_asked(monkeypatch):
     ask_on_terminal("Put the block back")
     with pytest.raises(GoHome):
         ask_on_terminal("Put the block back")
+
+
+def test_ctrl_c_moves_the_arm_no_more(out):
+    arm, asked = SlowArm(), []
+
+    def ask(question):
+        asked.append(question)
+        if len(asked) == 6:
+            os.kill(os.getpid(), signal.SIGINT)
+            # The person answers after that.
+            time.sleep(1.0)
+
+    env = rher.StepLog(real_arm(arm, ask), out.with_suffix(".jsonl"))
+    training = trainer(env, out)
+    with pytest.raises(KeyboardInterrupt):
+        training.learn(env_steps=100 * STEPS)
+    assert len(asked) == 6
+    assert training.env_steps == 3 * STEPS
+    assert env.taken.steps == 3 * STEPS
+    training.close()
+    resumed = trainer(real_arm(arm), None, resume=out, set=None)
+    assert resumed.env_steps == 3 * STEPS
+    resumed.learn(env_steps=5 * STEPS)
+
+
+def test_an_evaluation_in_which_the_arm_failed_is_made_again(out):
+    class Fragile(SlowArm):
+        broken = False
+
+        def send_action(self, action):
+            if self.moves == 25 * STEPS + 7 and not self.broken:
+                self.broken = True
+                raise RuntimeError("the cable is out")
+            return super().send_action(action)
+
+    training = trainer(real_arm(Fragile(lost=0.0)), out)
+    with pytest.raises(rher.EnvError, match="the cable is out"):
+        training.learn(env_steps=25 * STEPS, until=0.0)
+    assert training.env_steps == 25 * STEPS
+    run = training.learn(env_steps=25 * STEPS)
+    assert list(run.metrics["env_steps"]) == [25 * STEPS]

@@ -379,11 +379,11 @@ impl<const N: usize, E: Env<N>> Trainer<N, E> {
                 return Ok(Iteration::Learned);
             }
         }
-        if let Some(evaluation) = self.evaluate(stop)? {
-            return Ok(Iteration::Evaluated(evaluation));
-        }
+        // It is still to be made if an environment fails in it.
         self.state.pending = Pending::Evaluation;
-        Ok(Iteration::Stopped)
+        let Some(evaluation) = self.evaluate(stop)? else { return Ok(Iteration::Stopped) };
+        self.state.pending = Pending::Nothing;
+        Ok(Iteration::Evaluated(evaluation))
     }
 
     /// Plays one episode in every environment, and stores them; whether it was not stopped before.
