@@ -4,6 +4,7 @@ import gymnasium
 import numpy as np
 import pytest
 import rher
+import rher.onnx
 from toy import STEPS, Carry, Ending, Flat
 
 
@@ -73,6 +74,8 @@ def test_actions_have_the_limits_of_the_environment(dtype, out):
     assert np.allclose(ends, (low, high))
     # The policy acts in the environment's units, also when it is read from its file.
     assert share_solved(watched, run.policy) >= 0.7
+    with pytest.raises(rher.PolicyError, match="expected actions within -1 and 1"):
+        rher.onnx.export(run, run.path / "policy.onnx")
     seen, _ = watched.reset(seed=0)
     assert watched.action_space.contains(rher.Policy.load(run.path / "policy.safetensors")(seen))
 
@@ -86,6 +89,8 @@ def test_positions_may_have_two_numbers(objects, tiny, out):
     assert np.array_equal(run.policy(seen["observation"], seen["desired_goal"]), action)
     again = rher.Policy.load(run.path / "policy.safetensors")
     assert np.array_equal(again(seen), action)
+    with pytest.raises(rher.PolicyError, match="positions of three numbers"):
+        rher.onnx.export(run, out / "policy.onnx")
     with pytest.raises(rher.InputError, match="goal has shape"):
         run.policy(seen["observation"], np.zeros(3 * max(objects, 1)))
 
