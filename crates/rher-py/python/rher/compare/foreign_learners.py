@@ -36,6 +36,8 @@ def ours(name: str, task: Task, seed: int, out: Path, budget: float, episodes: i
         objects=task.objects,
         gripper=slice(*task.gripper),
         tolerance=task.tolerance,
+        mirrors=task.mirrors,
+        permutations=task.permutations,
         seed=seed,
         env_steps=task.env_steps,
         set=task.settings,

@@ -3,6 +3,9 @@
 from dataclasses import dataclass, field
 from typing import Any
 
+from rher import Mirror, Permutation
+from rher.compare.foreign_symmetries import fetch_mirror, panda_exchange, panda_mirror
+
 #: For a simulator that makes hundreds of steps per CPU-second: shorter evaluations.
 _DEAR = {"evaluation.episodes": 40, "evaluation.subtask_episodes": 8}
 
@@ -40,6 +43,8 @@ class Task:
     tolerance: float = 0.05
     #: Steps of an episode of training; by default those of the environment, as in all that judge.
     episode_steps: int | None = None
+    mirrors: tuple[Mirror, ...] = ()
+    permutations: tuple[Permutation, ...] = ()
     #: Settings of ``rher.Trainer``.
     settings: dict[str, Any] = field(default_factory=dict)
     #: What ``info`` calls success.
@@ -54,15 +59,26 @@ TASKS: dict[str, Task] = {
     "PandaStack-v3": Task(
         "panda_gym", 300_000, 0.95,
         objects=2, tolerance=0.07, episode_steps=60,
+        mirrors=(panda_mirror(7, 2),), permutations=(panda_exchange(7),),
         settings=_DEAR | {"evaluation.every_episodes": 100, "replay.updates_per_episode": 80},
         zoo=_ZOO_PANDA,
     ),
-    "PandaPush-v3": Task("panda_gym", 150_000, 0.95, settings=_DEAR),
+    "PandaPush-v3": Task(
+        "panda_gym", 150_000, 0.95, mirrors=(panda_mirror(6, 1),), settings=_DEAR
+    ),
     # A grasp takes fingers that stay open, then closed, for some steps.
     "PandaPickAndPlace-v3": Task(
-        "panda_gym", 150_000, 0.95, settings=_DEAR | {"exploration.random_steps": 4}
+        "panda_gym", 150_000, 0.95,
+        mirrors=(panda_mirror(7, 1),),
+        settings=_DEAR | {"exploration.random_steps": 4},
     ),
-    "FetchPush-v4": Task("gymnasium_robotics", 100_000, 0.97, settings=_PRECISE),
-    "FetchPickAndPlace-v4": Task("gymnasium_robotics", 150_000, 0.97, settings=_PRECISE),
-    "FetchSlide-v4": Task("gymnasium_robotics", 300_000, 0.70, settings={"until": 0.75}),
+    "FetchPush-v4": Task(
+        "gymnasium_robotics", 100_000, 0.97, mirrors=(fetch_mirror(),), settings=_PRECISE
+    ),
+    "FetchPickAndPlace-v4": Task(
+        "gymnasium_robotics", 150_000, 0.97, mirrors=(fetch_mirror(),), settings=_PRECISE
+    ),
+    "FetchSlide-v4": Task(
+        "gymnasium_robotics", 300_000, 0.70, mirrors=(fetch_mirror(),), settings={"until": 0.75}
+    ),
 }
