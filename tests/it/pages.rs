@@ -55,7 +55,11 @@ esac
 "#;
 
 /// A path that is named is from the root of the repository, or from the folder of the page.
+/// A wheel has the version of the workspace.
 const SHORT_PIP: &str = r#"#!/bin/sh
+case "$2" in rher-*-cp310-abi3-*.whl)
+    exec grep -q "^version = \"$(echo "$2" | cut -d - -f 2)\"" "$REPOSITORY/Cargo.toml" ;;
+esac
 folder="${2%%[*}"
 test "$1" = install && { test -e "$REPOSITORY/$folder/pyproject.toml" || test -e "$PAGE/$folder/pyproject.toml"; }
 "#;

