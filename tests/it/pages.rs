@@ -85,8 +85,10 @@ const SHORT_MINARI: &str = "#!/bin/sh\ntest -z \"$MINARI\" || exec \"$MINARI\" \
 const ECHO: &str = "#!/bin/sh\nprintf '[%s]\\n' \"$@\"\n";
 
 /// What a page takes for granted.
-const RUNS: [(&str, &[&str]); 1] =
-    [("docs/recording.md", &["runs/push-rher-fast-1", "runs/push-rher-fast-2"])];
+const RUNS: [(&str, &[&str]); 2] = [
+    ("docs/recording.md", &["runs/push-rher-fast-1", "runs/push-rher-fast-2"]),
+    ("docs/onnx.md", &["runs/push-rher-fast-1"]),
+];
 
 /// A command of a page, and what the page shows of its output.
 #[derive(Debug)]
