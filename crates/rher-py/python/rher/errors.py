@@ -51,7 +51,7 @@ class TrainError(RherError, RuntimeError):
 
 
 class ClusterError(RherError, RuntimeError):
-    """Ray is not installed, or its cluster cannot be reached."""
+    """A Ray cluster cannot be reached."""
 
 
 class TrackerError(RherError, RuntimeError):

@@ -20,7 +20,7 @@ from typing import Any
 from rher._arguments import path as as_path
 from rher._arguments import whole
 from rher._command import command, last_error, output
-from rher.errors import ClusterError, FileError, InputError, RherError
+from rher.errors import ClusterError, FileError, InputError, MissingError, RherError
 from rher.run import Run
 
 __all__ = ["Cell", "run"]
@@ -115,7 +115,7 @@ def _ray() -> Any:
     try:
         import ray
     except ImportError as error:
-        raise ClusterError(
+        raise MissingError(
             "Ray is not installed: `pip install 'rher[ray]'` installs it; without it, `rher sweep "
             "--plan` trains a plan on this machine, and docs/cluster has files for Slurm and Kubernetes"
         ) from error
@@ -301,7 +301,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     asked = parser.parse_args(arguments)
     try:
         cells = run(asked.plan, asked.ray, cpus=asked.cpus, on_event=_Progress())
-    except (ClusterError, FileError, InputError) as error:
+    except (ClusterError, FileError, InputError, MissingError) as error:
         print(f"error: {error}", file=sys.stderr)
         return 1
     failed = [cell for cell in cells if cell.status != 0]

@@ -19,7 +19,7 @@ from typing import Any
 
 from rher import _rher
 from rher._arguments import table, whole
-from rher.errors import ClusterError
+from rher.errors import MissingError
 from rher.run import Run
 from rher.env import task_of
 from rher.training import arguments_as_json, changes_as_json, learn
@@ -61,7 +61,7 @@ def trainable(
     try:
         from ray import tune
     except ImportError as error:
-        raise ClusterError(
+        raise MissingError(
             "Ray Tune is not installed: `pip install 'rher[ray]'` installs it"
         ) from error
     shared = table("set", set)

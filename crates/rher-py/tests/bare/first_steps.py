@@ -7,6 +7,7 @@ or their environments.
 import functools
 import multiprocessing
 import re
+import subprocess
 import sys
 from pathlib import Path
 
@@ -45,8 +46,10 @@ def _acts(env: gymnasium.Env, policy: rher.Policy) -> list[float]:
 
 def _snippets(page: str) -> None:
     short = functools.partial(rher.train, env_steps=SHORT)
-    # The page compares with this run.
+    # The page compares with this run, and trains this plan.
     short("push", seed=2)
+    sweep = ["sweep", "push", "--seeds", "1-2", "--plan", "plan.jsonl"]
+    subprocess.run([Path(sys.executable).with_name("rher"), *sweep], check=True)
     rher.train = short
     names: dict[str, object] = {}
     ran = 0
