@@ -1,5 +1,6 @@
 """Runs in trackers: Trackio, Weights & Biases and MLflow, each with its own package."""
 
+import importlib.util
 import json
 import os
 import subprocess
@@ -169,6 +170,17 @@ def test_a_tracker_that_cannot_be_reached_is_named(run, monkeypatch):
     monkeypatch.setenv("MLFLOW_HTTP_REQUEST_MAX_RETRIES", "0")
     with pytest.raises(rher.TrackerError, match="MLflow does not take the run: .*127.0.0.1"):
         rher.track.send(run, "mlflow")
+
+
+def test_runs_are_in_a_folder_where_mlflow_has_no_database(run, tmp_path, monkeypatch):
+    pytest.importorskip("mlflow")
+    if importlib.util.find_spec("sqlalchemy"):
+        pytest.skip("all of MLflow is installed")
+    monkeypatch.setenv("MLFLOW_TRACKING_URI", "")
+    monkeypatch.delenv("MLFLOW_TRACKING_URI")
+    monkeypatch.chdir(tmp_path)
+    assert rher.track.send(run, "mlflow") > 0
+    assert (tmp_path / "mlruns").is_dir()
 
 
 def test_wandb_without_an_account_says_how_to_go_on(run, tmp_path):

@@ -7,12 +7,14 @@ the variables ``TRACKIO_DIR``, ``WANDB_MODE`` and ``MLFLOW_TRACKING_URI`` say it
 """
 
 import argparse
+import importlib.util
 import json
 import os
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any, Literal, Protocol, get_args
 
 from rher._arguments import path as as_path
@@ -193,6 +195,9 @@ class _Wandb:
 
 class _Mlflow:
     def __init__(self, run: Run, identity: str, project: str) -> None:
+        if importlib.util.find_spec("sqlalchemy") is None:
+            # Its default is a database, which `mlflow-skinny` cannot open.
+            os.environ.setdefault("MLFLOW_TRACKING_URI", Path("mlruns").absolute().as_uri())
         if os.environ.get("MLFLOW_TRACKING_URI", "").startswith("file:"):
             # MLflow 3 has folders of files only for those who say that they want them.
             os.environ.setdefault("MLFLOW_ALLOW_FILE_STORE", "true")
