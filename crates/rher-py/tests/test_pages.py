@@ -13,10 +13,12 @@ import sys
 from pathlib import Path
 
 import gymnasium
+import numpy as np
 import pytest
 import rher
 import rher.sweep
 from conftest import TINY
+from test_tails import STEPS, Knob
 
 ROOT = Path(__file__).parents[3]
 #: A block, and what the page says that it prints.
@@ -37,11 +39,29 @@ def pages():
     return [page for page in shown if BLOCK.search(page.read_text())]
 
 
+class Flip(gymnasium.ObservationWrapper):
+    """Stands in for a task of panda-gym: as much before the position of what is turned."""
+
+    def __init__(self):
+        super().__init__(Knob(places=False, quaternion=True))
+        spaces = dict(self.env.observation_space.spaces)
+        low, high = spaces["observation"].low, spaces["observation"].high
+        spaces["observation"] = gymnasium.spaces.Box(
+            np.insert(low, [3] * 4, -1.0), np.insert(high, [3] * 4, 1.0), dtype=np.float64
+        )
+        self.observation_space = gymnasium.spaces.Dict(spaces)
+
+    def observation(self, seen):
+        return seen | {"observation": np.insert(seen["observation"], [3] * 4, 0.0)}
+
+
 @pytest.fixture
 def short(monkeypatch, tmp_path):
     """Makes trainings short, in a folder in which pages find what they take for granted."""
     gymnasium_robotics = pytest.importorskip("gymnasium_robotics")
     gymnasium.register_envs(gymnasium_robotics)
+    if "PandaFlip-v3" not in gymnasium.registry:
+        gymnasium.register("PandaFlip-v3", entry_point=Flip, max_episode_steps=STEPS)
     monkeypatch.chdir(tmp_path)
     (tmp_path / "docs").symlink_to(ROOT / "docs")
     train, learn, init = rher.train, rher.Trainer.learn, rher.Trainer.__init__
