@@ -21,22 +21,3 @@ impl Limits {
         }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_ends_are_the_limits_and_nothing_is_outside() {
-        let limits = Limits { low: vec![-0.1, 0.0, 0.3], high: vec![0.2, 1e6, 0.3] };
-        let applied = |number: f32| {
-            let mut action = [number; 3];
-            limits.apply(&mut action);
-            action
-        };
-        assert_eq!(applied(-1.0), [-0.1, 0.0, 0.3]);
-        assert_eq!(applied(1.0), [0.2, 1e6, 0.3]);
-        let [middle, half, same] = applied(0.0);
-        assert!((middle - 0.05).abs() < 1e-7 && half == 5e5 && same == 0.3);
-    }
-}
