@@ -44,8 +44,8 @@ def about(
             "objects is 0 and tail is not empty, expected no tail where the goal is a place for the "
             "gripper"
         )
-    # Goals of some width are both: positions without a height are only taken beside a tail where the
-    # gripper has none either.
+    # The width of a goal may fit positions with a height and without one: beside a tail, they have
+    # none only if that of the gripper has none either.
     is_flat = not parts or (
         isinstance(gripper, slice) and len(range(*gripper.indices(MOST_STEPS))) == 2
     )
@@ -169,7 +169,7 @@ def _tolerance(env: gymnasium.Env[Any, Any], tolerance: float | None) -> float:
 
 
 def _episode_steps(env: gymnasium.Env[Any, Any], steps: int | None) -> int:
-    """The most steps of an episode: as told, as registered, or as found by playing."""
+    """The most steps of an episode: as given, as registered, or as found by playing."""
     if steps is None and env.spec is not None:
         steps = env.spec.max_episode_steps
     if steps is None:

@@ -24,7 +24,7 @@ class Number:
 
 @dataclass(frozen=True)
 class Angle:
-    """One angle in radians, that may differ by ``tolerance`` in radians; a full turn is nothing."""
+    """One angle in radians, that may differ by ``tolerance`` in radians; full turns do not count."""
 
     name: str
     tolerance: float
